@@ -1,5 +1,6 @@
 //! Orometry: peaks, key saddles, prominence, isolation and divide trees, exactly as the definitions have them.
 
+mod above;
 mod divide;
 mod forest;
 mod isolation;

@@ -1,0 +1,7 @@
+//! Files, through GDAL: the only folder that says `gdal::`.
+//!
+//! [`raster`] opens and reads elevation models, [`vector`] writes layers, [`output`] sees to it that no file is left
+//! half-written, [`messages`] turns what GDAL says into errors of this crate.
+
+pub mod messages;
+pub mod raster;
