@@ -33,6 +33,15 @@ pub fn quiet() {
     });
 }
 
+/// Versions of GDAL and PROJ, of the libraries that are in use.
+#[allow(unsafe_code, reason = "the bindings do not ask PROJ for its version")]
+pub fn versions() -> (String, String) {
+    let (mut major, mut minor, mut patch) = (0, 0, 0);
+    // SAFETY: the function writes three integers, which live here.
+    unsafe { gdal_sys::OSRGetPROJVersion(&raw mut major, &raw mut minor, &raw mut patch) };
+    (gdal::version::version_info("RELEASE_NAME"), format!("{major}.{minor}.{patch}"))
+}
+
 /// The failures that GDAL has reported since the last call, most important first; its warnings are dropped.
 pub fn take_failures() -> Vec<String> {
     let mut messages = MESSAGES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

@@ -4,4 +4,7 @@
 //! half-written, [`messages`] turns what GDAL says into errors of this crate.
 
 pub mod messages;
+pub mod output;
 pub mod raster;
+pub mod transform;
+pub mod vector;

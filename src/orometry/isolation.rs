@@ -7,7 +7,7 @@
 
 use super::pyramid::{BASE, FAN, Level, Pyramid};
 use super::survey::Isolation;
-use crate::crs::{Block, Metric, Place};
+use crate::crs::{Block, Metric, Place, Vector};
 use crate::grid::{Cell, Grid, Key};
 
 /// Searches of one raster.
@@ -72,11 +72,12 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         let p = (row as i64, col as i64);
         let higher = self.nearest(p, &Higher(self.grid.key(cell)), f64::INFINITY, search);
         let mut unknown_m = None;
-        let mut limit_m = higher.map_or(f64::INFINITY, |(distance_m, _)| distance_m);
+        let mut limit_m = higher.map_or(f64::INFINITY, |(vector, _)| vector.distance_m);
         if self.pyramid.has_voids() && !self.nodata_is_sea {
-            if let Some((void_m, _)) = self.nearest(p, &Void, limit_m, search).filter(|&(void_m, _)| void_m < limit_m) {
-                unknown_m = Some(void_m);
-                limit_m = void_m;
+            let void = self.nearest(p, &Void, limit_m, search).filter(|(vector, _)| vector.distance_m < limit_m);
+            if let Some((vector, _)) = void {
+                unknown_m = Some(vector.distance_m);
+                limit_m = vector.distance_m;
             }
         }
         let (rows, cols) = (self.grid.rows() as i64, self.grid.cols() as i64);
@@ -84,16 +85,13 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
             unknown_m = Some(outside_m);
         }
         match higher {
-            Some((distance_m, higher)) => {
-                let (hrow, hcol) = self.grid.place(higher);
-                Isolation {
-                    isolation_m: Some(distance_m),
-                    isolation_min_m: Some(unknown_m.unwrap_or(distance_m)),
-                    certain: unknown_m.is_none(),
-                    azimuth: self.metric.vector(p, (hrow as i64, hcol as i64)).azimuth,
-                    higher: Some(higher),
-                }
-            }
+            Some((vector, higher)) => Isolation {
+                isolation_m: Some(vector.distance_m),
+                isolation_min_m: Some(unknown_m.unwrap_or(vector.distance_m)),
+                certain: unknown_m.is_none(),
+                azimuth: vector.azimuth,
+                higher: Some(higher),
+            },
             None => Isolation {
                 isolation_m: None,
                 isolation_min_m: unknown_m,
@@ -104,8 +102,8 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         }
     }
 
-    /// Distance and index of the nearest hit that is no further than `limit_m`; ties go to the lowest index.
-    fn nearest(&self, p: Place, target: &impl Target<K>, limit_m: f64, search: &mut Search) -> Option<(f64, Cell)> {
+    /// The nearest hit that is no further than `limit_m`, with the way there; ties go to the lowest index.
+    fn nearest(&self, p: Place, target: &impl Target<K>, limit_m: f64, search: &mut Search) -> Option<(Vector, Cell)> {
         search.limit2 = self.metric.reach2(limit_m * limit_m);
         search.nearest2 = f64::INFINITY;
         search.hits.clear();
@@ -117,15 +115,15 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         let limit2 = search.limit2;
         search.hits.retain(|hit| hit.0 <= limit2);
         search.hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut best: Option<(f64, Cell)> = None;
+        let mut best: Option<(Vector, Cell)> = None;
         for &(near2, cell) in &search.hits {
-            if best.is_some_and(|(least_m, _)| near2 > least_m * least_m * (1.0 + 1e-7)) {
+            if best.is_some_and(|(least, _)| near2 > least.distance_m * least.distance_m * (1.0 + 1e-7)) {
                 break;
             }
             let (row, col) = self.grid.place(cell);
-            let distance_m = self.metric.distance_m(p, (row as i64, col as i64));
-            if best.is_none_or(|(least_m, index)| (distance_m, cell) < (least_m, index)) {
-                best = Some((distance_m, cell));
+            let vector = self.metric.vector(p, (row as i64, col as i64));
+            if best.is_none_or(|(least, index)| (vector.distance_m, cell) < (least.distance_m, index)) {
+                best = Some((vector, cell));
             }
         }
         best

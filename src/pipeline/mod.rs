@@ -1,0 +1,9 @@
+//! Jobs from files to files: what reads, measures and writes, within a memory budget.
+
+pub mod layers;
+pub mod memory;
+mod metric;
+pub mod peaks;
+mod spikes;
+
+pub use metric::{AnyMetric, Distance, metric_of};
