@@ -1,6 +1,7 @@
 //! How far two distributions are from each other.
 
 use super::bins::BinSet;
+use super::document::StatsDocument;
 use super::domain::Domain;
 use super::measure::{Measure, Unit};
 use crate::error::{Error, Result};
@@ -134,6 +135,24 @@ pub fn compare(a: &Domain, b: &Domain, set: BinSet, radius_m: f64) -> Result<Vec
     Ok(comparisons)
 }
 
+/// Compares a domain of one document with a domain of another, each the first where no name is given.
+///
+/// # Errors
+/// A usage error when there is no domain of a name, when distances were divided by different radii, and as [`compare()`].
+pub fn compare_documents(
+    (a, name_a): (&StatsDocument, Option<&str>),
+    (b, name_b): (&StatsDocument, Option<&str>),
+    set: BinSet,
+) -> Result<Vec<Comparison>> {
+    let (radius_a, radius_b) = (a.definitions.radius_m, b.definitions.radius_m);
+    if radius_a != radius_b {
+        return Err(Error::usage(format!(
+            "the radius R is {radius_a} m in the one and {radius_b} m in the other: measure both with the same"
+        )));
+    }
+    compare(a.domain(name_a)?, b.domain(name_b)?, set, radius_a)
+}
+
 /// The axis of a histogram: how to name and scale what is measured along it.
 struct Axis {
     name: &'static str,
@@ -168,7 +187,7 @@ impl Axis {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{PeakMeasures, Selection};
+    use super::super::{Definitions, Input, InputKind, PeakMeasures, Selection};
     use super::*;
     use proptest::prelude::*;
 
@@ -239,6 +258,18 @@ mod tests {
         let peak = |&elevation_m| PeakMeasures { elevation_m, prominence_m: 100.0, ..PeakMeasures::default() };
         let peaks: Vec<PeakMeasures> = elevations.iter().map(peak).collect();
         Domain::measure(&Selection::Whole, &peaks, 30_000.0, None, None).unwrap()
+    }
+
+    #[test]
+    fn documents_with_the_same_radius() {
+        let document = |radius_m| {
+            let input = Input { path: "a".into(), kind: InputKind::Peaks, crs: None };
+            StatsDocument::new(input, Definitions::new(None, radius_m), vec![domain(&[100.0])])
+        };
+        let (a, b) = (document(30_000.0), document(10_000.0));
+        assert_eq!(compare_documents((&a, None), (&a, Some("whole")), BinSet::Fine).unwrap().len(), 11);
+        assert!(compare_documents((&a, None), (&b, None), BinSet::Fine).unwrap_err().message().contains("10000 m"));
+        assert!(compare_documents((&a, None), (&a, Some("alps")), BinSet::Fine).is_err());
     }
 
     #[test]

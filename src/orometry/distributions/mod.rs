@@ -26,7 +26,9 @@ pub use bins::{BinSet, elevation_edges, slope_edges};
 pub use cell_set::CellSet;
 pub use cell_shape::CellShape;
 pub use classes::ProminenceClass;
-pub use compare::{Comparison, compare, emd_circular, emd_linear, largest_bin_difference, total_variation};
+pub use compare::{
+    Comparison, compare, compare_documents, emd_circular, emd_linear, largest_bin_difference, total_variation,
+};
 pub use disk::{Centre, Disk, DiskOutline, parse_disk};
 pub use document::{DEFAULT_RADIUS_M, Definitions, Input, InputKind, STATS_FORMAT, STATS_VERSION, StatsDocument};
 pub use domain::{AreaFrom, Domain, DomainKind, Extremes, Selection, region_names};
