@@ -4,6 +4,8 @@
 pub mod grid;
 pub mod crs;
 pub mod error;
+pub mod figures;
 pub mod orometry;
+pub mod plot;
 pub mod units;
 pub mod watch;

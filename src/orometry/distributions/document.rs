@@ -233,7 +233,8 @@ mod tests {
         assert_eq!(back.to_json(), text);
         assert!(text.starts_with("{\n  \"format\": \"orograph-stats\",\n  \"version\": 1,\n  \"program\": "), "{text}");
         assert!(text.contains("\"edges\": [0.0, 30.0, 60.0, 90.0, "), "lists of numbers on one line");
-        // For whoever wants to hold it against format-spec/stats.schema.json.
+        // To hold a document against the schema: set OROGRAPH_STATS_SAMPLE=/tmp/sample.json, run this test, then
+        // python -m jsonschema -i /tmp/sample.json format-spec/stats.schema.json (or the like) must be silent.
         if let Some(path) = std::env::var_os("OROGRAPH_STATS_SAMPLE") {
             std::fs::write(path, text).unwrap();
         }
