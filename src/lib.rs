@@ -4,6 +4,7 @@
 pub mod grid;
 pub mod crs;
 pub mod error;
+pub mod io;
 pub mod orometry;
 pub mod units;
 pub mod watch;
