@@ -6,5 +6,6 @@ pub mod crs;
 pub mod error;
 pub mod io;
 pub mod orometry;
+pub mod plot;
 pub mod units;
 pub mod watch;
