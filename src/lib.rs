@@ -6,6 +6,7 @@ pub mod crs;
 pub mod error;
 pub mod io;
 pub mod orometry;
+pub mod pipeline;
 pub mod plot;
 pub mod units;
 pub mod watch;

@@ -136,11 +136,20 @@ impl Canvas {
         self.fill(path, fill);
     }
 
-    /// The picture as a PNG file.
+    /// The picture as a PNG file, without its opacity: what was drawn on is opaque.
     pub(super) fn png(&self) -> Result<Vec<u8>> {
-        self.pixmap.encode_png().map_err(|e| {
+        // Three bytes a pixel and the fast compressor: a third of tiny-skia's own time for a smaller file.
+        let pixels: Vec<u8> = self.pixmap.data().chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        let mut data = Vec::new();
+        let mut encoder = png::Encoder::new(&mut data, self.pixmap.width(), self.pixmap.height());
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixels)).map_err(|e| {
             Error::new(ErrorKind::Output, format!("the picture cannot be encoded as PNG ({e}); ask for a narrower one"))
-        })
+        })?;
+        Ok(data)
     }
 }
 

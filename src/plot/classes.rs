@@ -11,17 +11,19 @@ pub(super) struct Classes {
 const MOST: usize = 4;
 
 impl Classes {
-    /// Classes with floors of 1, 3, 10, 30, ... metres such that the first holds a few peaks, not just one.
+    /// Classes with floors of 1, 3, 10, 30, ... metres, or 1, 2, 5, 10, ... where prominences differ less, such that
+    /// the first holds a few peaks, not just one.
     pub(super) fn fit(prominences_m: impl Iterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = prominences_m.filter(|p| *p > 0.0 && p.is_finite()).collect();
         sorted.sort_unstable_by(|a, b| b.total_cmp(a));
         // The most prominent peak's prominence often is a convention (that of a root), far above all others.
-        let top = (sorted.len() / 40).min(4);
-        let Some(&leading) = sorted.get(top.max(usize::from(sorted.len() > 4))) else {
+        let top = (sorted.len() / 40).clamp(usize::from(sorted.len() > 4), 4);
+        let (Some(&leading), Some(&least)) = (sorted.get(top), sorted.last()) else {
             return Self { floors_m: Vec::new() };
         };
-        let ladder = (-3..=4).rev().flat_map(|power| [3.0, 1.0].map(|digit| digit * 10_f64.powi(power)));
-        let floors_m: Vec<f64> = ladder.filter(|&floor| floor <= leading).take(MOST).collect();
+        let digits: &[f64] = if leading > 30.0 * least { &[3.0, 1.0] } else { &[5.0, 2.0, 1.0] };
+        let ladder = (-3..=4).rev().flat_map(|power| digits.iter().map(move |digit| digit * 10_f64.powi(power)));
+        let floors_m: Vec<f64> = ladder.filter(|&f| f <= leading && f >= 0.9 * least).take(MOST).collect();
         Self { floors_m }
     }
 
@@ -31,8 +33,10 @@ impl Classes {
     }
 
     /// Size of the triangle of a class: the radius of the circle round it, in pixels.
-    pub(super) fn radius(class: usize) -> f32 {
-        [8.5, 6.6, 5.1, 4.0, 3.1][class.min(MOST)]
+    pub(super) fn radius(&self, class: usize) -> f32 {
+        // The largest size is for maps with all classes; few classes of large triangles would cover the land.
+        let skipped = usize::from(self.floors_m.len() < MOST);
+        [8.5, 6.6, 5.1, 4.0, 3.1][(class + skipped).min(MOST)]
     }
 
     /// Weight of a prominence among the classes, 0 to 1, even within a class.
@@ -49,9 +53,11 @@ mod tests {
 
     #[test]
     fn floors_follow_the_data() {
-        let classes = Classes::fit([2400.0, 900.0, 650.0, 340.0, 120.0, 45.0, 31.0].into_iter());
+        let classes = Classes::fit([2400.0, 900.0, 650.0, 340.0, 120.0, 45.0, 9.0].into_iter());
         assert_eq!(classes.floors_m, [300.0, 100.0, 30.0, 10.0]);
         assert_eq!((classes.of(2400.0), classes.of(300.0), classes.of(299.0), classes.of(1.0)), (0, 0, 1, 4));
+        let close = Classes::fit([2800.0, 1100.0, 700.0, 640.0, 500.0, 320.0].into_iter());
+        assert_eq!(close.floors_m, [1000.0, 500.0]);
         assert!(Classes::fit([f64::NAN, -1.0].into_iter()).floors_m.is_empty());
         assert_eq!(Classes::fit(std::iter::empty()).of(5.0), 0);
     }
@@ -62,6 +68,6 @@ mod tests {
         let weights: Vec<f32> =
             [0.0, 5.0, 20.0, 60.0, 200.0, 500.0, 9000.0].iter().map(|&p| classes.weight(p)).collect();
         assert!(weights.windows(2).all(|w| w[0] <= w[1]) && weights[0] == 0.0 && weights[6] == 1.0, "{weights:?}");
-        assert!((0..4).all(|c| Classes::radius(c) > Classes::radius(c + 1)));
+        assert!((0..4).all(|c| classes.radius(c) > classes.radius(c + 1)));
     }
 }

@@ -13,6 +13,8 @@ pub(super) struct Frame {
     period_x: Option<f64>,
     /// Range of x on the map.
     range_x: (f64, f64),
+    /// Range of y on the map.
+    range_y: (f64, f64),
 }
 
 /// A point on the map in pixels.
@@ -26,16 +28,39 @@ impl Frame {
     pub(super) fn new(relief: &Relief, width: u32, height: u32) -> Self {
         let (rows, cols) = (relief.rows as f64, relief.cols as f64);
         let corners = [(0.0, 0.0), (0.0, cols), (rows, 0.0), (rows, cols)];
-        let x = corners.map(|(row, col)| relief.transform.centre(row - 0.5, col - 0.5).0);
-        let range_x = (x.into_iter().fold(f64::INFINITY, f64::min), x.into_iter().fold(f64::NEG_INFINITY, f64::max));
+        let corners = corners.map(|(row, col)| relief.transform.centre(row - 0.5, col - 0.5));
         Self {
             transform: relief.transform,
             scale: (f64::from(width) / cols, f64::from(height) / rows),
             width,
             height,
             period_x: relief.period_x.filter(|p| *p > 0.0 && p.is_finite()),
-            range_x,
+            range_x: range(corners.map(|c| c.0)),
+            range_y: range(corners.map(|c| c.1)),
         }
+    }
+
+    /// Lines across the map at whole multiples of `step` units, as their coordinate and their pixel along the edge:
+    /// those of equal x, then those of equal y; none on a rotated map.
+    pub(super) fn multiples(&self, step: f64) -> [Vec<(f64, f32)>; 2] {
+        if !self.transform.is_axis_parallel() || !(step > 0.0) {
+            return [Vec::new(), Vec::new()];
+        }
+        let values = |(low, high): (f64, f64)| {
+            let first = (low / step).ceil();
+            (0..100).map(move |k| (first + f64::from(k)) * step).take_while(move |v| *v <= high)
+        };
+        [
+            values(self.range_x).map(|x| (x, self.pixel(x, self.range_y.0).0 as f32)).collect(),
+            values(self.range_y).map(|y| (y, self.pixel(self.range_x.0, y).1 as f32)).collect(),
+        ]
+    }
+
+    /// Units of the coordinates in so many pixels, along the axis where they are more.
+    pub(super) fn units(&self, pixels: f64) -> f64 {
+        let x = (self.range_x.1 - self.range_x.0) / f64::from(self.width);
+        let y = (self.range_y.1 - self.range_y.0) / f64::from(self.height);
+        x.max(y) * pixels
     }
 
     fn pixel(&self, x: f64, y: f64) -> (f64, f64) {
@@ -155,6 +180,10 @@ impl Frame {
         };
         (enter < leave).then(|| (at(enter), at(leave)))
     }
+}
+
+fn range(values: [f64; 4]) -> (f64, f64) {
+    (values.into_iter().fold(f64::INFINITY, f64::min), values.into_iter().fold(f64::NEG_INFINITY, f64::max))
 }
 
 /// A line without steps below `least_px`, its corners cut twice (Chaikin 1974): paths of cells lose their stairs.

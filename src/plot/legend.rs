@@ -129,7 +129,7 @@ impl Legend<'_> {
                 (None, Some(&last)) => format!("< {}", metres(last)),
                 (None, None) => "unknown".to_string(),
             };
-            signs.push((Classes::radius(class) * s, label));
+            signs.push((self.classes.radius(class) * s, label));
         }
         let lettering = self.lettering();
         let step = |radius: f32, label: &str| 2.0 * radius + 4.0 * s + lettering.width(label) + 13.0 * s;

@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Ink};
 use super::classes::Classes;
 use super::frame::Frame;
+use super::graticule::draw_ticks;
 use super::hillshade::{LEVEL, exaggeration, hillshade, slopes};
 use super::legend::{Legend, QUIET, TEXT};
 use super::overlay::Overlay;
@@ -83,7 +84,7 @@ pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<
     let inner = options.width_px as f32 - 2.0 * margin;
     let title_height = if options.title.is_some() { (40.0 * s).round() } else { 0.0 };
     let map_top = margin + title_height;
-    let legend_top = map_top + frame.height as f32 + (16.0 * s).round();
+    let legend_top = map_top + frame.height as f32 + (30.0 * s).round();
     let legend_height = legend.height(inner);
     let source_line = legend_top + legend_height + 12.0 * s;
     let note = peaks_note(&drawn);
@@ -100,6 +101,7 @@ pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<
     let line = s.round().max(1.0);
     let (w, h) = (frame.width as f32, frame.height as f32);
     page.rectangle(map_left - line, map_top - line, w + 2.0 * line, h + 2.0 * line, TEXT);
+    draw_ticks(&mut page, &frame, relief.degrees, (map_left, map_top), &regular, s);
     page.place(&map, map_left as i32, map_top as i32);
     legend.draw(&mut page, (margin, legend_top), inner);
     let small = Lettering { font: &regular, size: 10.5 * s, ink: QUIET, halo: None };
@@ -167,4 +169,87 @@ fn peaks_note(drawn: &Drawn) -> Option<String> {
             grouped(drawn.peaks_there as f64)
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::ErrorKind;
+    use crate::grid::GeoTransform;
+    use crate::plot::{PeakMark, Ridge};
+
+    fn hills(rows: usize, cols: usize) -> Relief {
+        let elevation_m = (0..rows * cols)
+            .map(|i| ((i / cols) as f32 * 0.3, (i % cols) as f32 * 0.2))
+            .map(|(y, x)| 800.0 + 300.0 * x.sin() * y.cos())
+            .collect();
+        let t = GeoTransform([500_000.0, 100.0, 0.0, 5_200_000.0, 0.0, -100.0]);
+        Relief::new(rows, cols, elevation_m, t, None).unwrap()
+    }
+
+    fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        (info.width, info.height, pixels)
+    }
+
+    fn overlay() -> Overlay {
+        let peak = |x: f64, y: f64, prominence_m: f64| PeakMark {
+            x: 500_000.0 + x,
+            y: 5_200_000.0 - y,
+            prominence_m,
+            elevation_m: 1100.0,
+            name: Some("Piz".into()),
+        };
+        Overlay {
+            peaks: vec![peak(700.0, 900.0, 300.0), peak(3000.0, 2000.0, f64::NAN), peak(-1e9, 0.0, 5.0)],
+            saddles: vec![(501_500.0, 5_198_800.0), (f64::INFINITY, 0.0)],
+            ridges: vec![Ridge { path: vec![(500_700.0, 5_199_100.0), (503_000.0, 5_198_000.0)], prominence_m: 90.0 }],
+            isolation: vec![vec![(500_700.0, 5_199_100.0), (1e12, 5_198_000.0)]],
+        }
+    }
+
+    #[test]
+    fn draws_the_same_bytes_each_time_at_the_width_asked_for() {
+        let relief = hills(60, 80);
+        let options = MapOptions {
+            width_px: 400,
+            title: Some("Hills".into()),
+            source: Some("made up".into()),
+            ..MapOptions::default()
+        };
+        let png = draw(&relief, &overlay(), &options).unwrap();
+        let (width, height, pixels) = decoded(&png);
+        assert_eq!(width, 400);
+        assert!(height > 280 && height < 400, "{height}");
+        assert!(pixels.iter().any(|&p| p < 60), "something dark was drawn");
+        assert_eq!(draw(&relief, &overlay(), &options).unwrap(), png);
+    }
+
+    #[test]
+    fn any_shape_of_relief_can_be_drawn() {
+        let options = MapOptions { width_px: 200, ..MapOptions::default() };
+        for (rows, cols) in [(1, 1), (1, 500), (500, 1), (3, 2), (700, 600)] {
+            let png = draw(&hills(rows, cols), &Overlay::default(), &options).unwrap();
+            assert_eq!(decoded(&png).0, 200, "{rows} x {cols}");
+        }
+        let mut nothing = hills(20, 20);
+        nothing.elevation_m.fill(f32::NAN);
+        let (_, _, pixels) = decoded(&draw(&nothing, &overlay(), &options).unwrap());
+        assert!(!pixels.is_empty());
+        nothing.elevation_m.fill(12.5);
+        draw(&nothing, &overlay(), &options).unwrap();
+    }
+
+    #[test]
+    fn wrong_options_are_refused() {
+        let draw = |options: MapOptions| draw(&hills(5, 5), &Overlay::default(), &options).unwrap_err();
+        let error = draw(MapOptions { width_px: 3, ..MapOptions::default() });
+        assert_eq!(error.kind(), ErrorKind::Usage);
+        assert!(error.to_string().contains("160 to 16384"), "{error}");
+        assert!(
+            draw(MapOptions { exaggeration: Some(-1.0), ..MapOptions::default() }).to_string().contains("positive")
+        );
+    }
 }

@@ -6,6 +6,7 @@
 mod canvas;
 mod classes;
 mod frame;
+mod graticule;
 mod hillshade;
 mod labels;
 mod legend;

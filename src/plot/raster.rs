@@ -20,6 +20,8 @@ pub struct Relief {
     pub cell_x_m: Vec<f64>,
     /// Height of a cell in metres.
     pub cell_y_m: f64,
+    /// Degrees in a unit of the coordinates, where these are longitudes and latitudes.
+    pub degrees: Option<f64>,
     /// After how many units of x the coordinates come back to the same place (360 for degrees), if they do.
     pub period_x: Option<f64>,
 }
@@ -37,8 +39,10 @@ impl Relief {
         crs: Option<&Crs>,
     ) -> Result<Self> {
         let t = &transform.0;
+        let mut in_degrees = None;
         let (cell_x_m, cell_y_m, period_x) = match crs.map(|crs| (&crs.kind, crs)) {
             Some((CrsKind::Geographic { ellipsoid, degrees }, _)) => {
+                in_degrees = Some(*degrees);
                 let (x, y) = geographic_cells_m(ellipsoid, &transform, *degrees, rows);
                 (x, y, Some(360.0 / degrees))
             }
@@ -47,7 +51,7 @@ impl Relief {
             }
             None => (vec![t[1].hypot(t[4]); rows], t[2].hypot(t[5]), None),
         };
-        let relief = Self { rows, cols, elevation_m, transform, cell_x_m, cell_y_m, period_x };
+        let relief = Self { rows, cols, elevation_m, transform, cell_x_m, cell_y_m, degrees: in_degrees, period_x };
         relief.check()?;
         Ok(relief)
     }

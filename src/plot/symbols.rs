@@ -18,12 +18,12 @@ const GREY: Ink = Ink::rgb(66, 62, 66);
 
 /// The pen of a divide, by its weight among the classes.
 pub(super) fn ridge_pen(weight: f32, s: f32) -> Pen {
-    Pen::solid(BROWN.opacity(0.55 + 0.35 * weight), (0.7 + 2.3 * weight * weight) * s)
+    Pen::solid(BROWN.opacity(0.7 + 0.25 * weight), (0.9 + 2.1 * weight * weight) * s)
 }
 
 /// The pen of a line of isolation.
 pub(super) fn isolation_pen(s: f32) -> Pen {
-    Pen { ink: BLUE.opacity(0.6), width: 0.9 * s, dash: Some((5.0 * s, 3.5 * s)) }
+    Pen { ink: BLUE.opacity(0.8), width: 1.1 * s, dash: Some((6.0 * s, 4.0 * s)) }
 }
 
 /// Draws the triangle of a peak; `radius` is that of the circle round it.
@@ -79,8 +79,8 @@ pub(super) fn draw_overlay(
     peaks.sort_by(|a, b| rank(b.0.prominence_m).total_cmp(&rank(a.0.prominence_m)));
     let mut spaced = Room::new(inset(bounds, -20.0 * s));
     peaks.retain(|(peak, (x, y))| {
-        let radius = Classes::radius(classes.of(peak.prominence_m)) * s;
-        let area = Area::around(*x, *y, 0.9 * radius);
+        let radius = classes.radius(classes.of(peak.prominence_m)) * s;
+        let area = Area::around(*x, *y, 1.2 * radius);
         let fits = spaced.is_free(&area);
         if fits {
             spaced.take(area);
@@ -90,7 +90,7 @@ pub(super) fn draw_overlay(
     for (peak, (x, y)) in &peaks {
         let class = classes.of(peak.prominence_m);
         drawn.peaks[class.min(4)] += 1;
-        room.take(Area::around(*x, *y, Classes::radius(class) * s));
+        room.take(Area::around(*x, *y, classes.radius(class) * s));
     }
     let labels = place_labels(&mut room, &peaks, classes, regular, s);
     // Saddles are the lightest signs: they give way to peaks, labels and saddles named before them.
@@ -104,7 +104,7 @@ pub(super) fn draw_overlay(
         }
     }
     for (peak, pixel) in peaks.iter().rev() {
-        triangle(canvas, *pixel, Classes::radius(classes.of(peak.prominence_m)) * s, s);
+        triangle(canvas, *pixel, classes.radius(classes.of(peak.prominence_m)) * s, s);
     }
     for label in &labels {
         label.write(canvas, regular, s);
@@ -181,7 +181,7 @@ struct Label {
 }
 
 /// Area in pixels that the map has for each label.
-const PIXELS_A_LABEL: f32 = 95.0 * 95.0;
+const PIXELS_A_LABEL: f32 = 105.0 * 105.0;
 
 fn place_labels(room: &mut Room, peaks: &[(&PeakMark, Pixel)], classes: &Classes, font: &Font, s: f32) -> Vec<Label> {
     let map = room.bounds();
@@ -204,7 +204,7 @@ fn place_labels(room: &mut Room, peaks: &[(&PeakMark, Pixel)], classes: &Classes
         }
         // Room for the halo, and a little air.
         let size = (wide + 4.0 * s, high + 2.0 * s);
-        let away = Classes::radius(class) * s / 0.8 + 0.5 * s;
+        let away = classes.radius(class) * s / 0.8 + 0.5 * s;
         if let Some(spot) = room.beside(*pixel, away, size) {
             let name = name.map(str::to_string);
             labels.push(Label { name, elevation, name_size, elevation_size, area: spot.area, side: spot.side });

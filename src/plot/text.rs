@@ -52,11 +52,6 @@ impl Font {
         units * self.scale(size)
     }
 
-    /// Height of a capital letter at a size.
-    pub(super) fn cap_height(&self, size: f32) -> f32 {
-        f32::from(self.face.capital_height().unwrap_or(1493)) * self.scale(size)
-    }
-
     /// Outlines of a text whose first letter starts at `x` and stands on the line `y`.
     pub(super) fn outline(&self, text: &str, size: f32, (x, y): (f32, f32)) -> Option<Path> {
         let scale = self.scale(size);
@@ -165,6 +160,16 @@ impl Lettering<'_> {
         canvas.fill(&path, self.ink);
     }
 
+    /// Writes a text upwards, its middle at the pixel and its foot on the column `x`.
+    pub(super) fn write_upwards(&self, canvas: &mut Canvas, text: &str, (x, y): (f32, f32)) {
+        let start = (x - self.width(text) / 2.0, y);
+        let path = self.font.outline(text, self.size, start);
+        let turn = tiny_skia::Transform::from_rotate_at(-90.0, x, y);
+        if let Some(path) = path.and_then(|path| path.transform(turn)) {
+            canvas.fill(&path, self.ink);
+        }
+    }
+
     /// The text, cut with an ellipsis if it is wider than `room`.
     pub(super) fn fitted(&self, text: &str, room: f32) -> String {
         if self.width(text) <= room {
@@ -215,7 +220,7 @@ mod tests {
     fn outlines_lie_between_their_line_and_their_caps() {
         let font = Font::bold();
         let bounds = font.outline("HEX", 50.0, (100.0, 200.0)).unwrap().bounds();
-        assert!((bounds.bottom() - 200.0).abs() < 1.0 && (bounds.height() - font.cap_height(50.0)).abs() < 1.0);
+        assert!((bounds.bottom() - 200.0).abs() < 1.0 && (bounds.height() - 0.729 * 50.0).abs() < 1.0);
         assert!(bounds.left() >= 100.0 && bounds.right() <= 100.0 + font.width("HEX", 50.0));
         assert!(font.outline("   ", 50.0, (0.0, 0.0)).is_none());
     }

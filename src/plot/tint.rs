@@ -17,7 +17,7 @@ const STOPS: [(f32, [u8; 3]); 6] = [
 ];
 
 /// Where nothing is known.
-pub(super) const VOID: Ink = Ink::rgb(229, 230, 230);
+pub(super) const VOID: Ink = Ink::rgb(220, 222, 224);
 /// The sea at its shore, and where it is deepest.
 const SHORE: [f32; 3] = [206.0, 221.0, 229.0];
 const DEEP: [f32; 3] = [160.0, 184.0, 202.0];
@@ -49,7 +49,7 @@ impl Ramp {
         let (Some(low), Some(high)) = (rank(&mut land, 0.01), rank(&mut land, 0.99)) else {
             return Self { low_m: 0.0, high_m: 1.0, deep_m };
         };
-        let step = round_step(f64::from(high - low) / 8.0) as f32;
+        let step = round_step(f64::from(high - low) / 12.0) as f32;
         let low_m = (low / step).floor() * step;
         let high_m = ((high / step).ceil() * step).max(low_m + step);
         Self { low_m, high_m, deep_m }
@@ -157,7 +157,7 @@ mod tests {
         let ramp = Ramp { low_m: 0.0, high_m: 1000.0, deep_m: 100.0 };
         let void = ramp.shaded(f32::NAN, 0.9, 0.0, 0.0);
         assert_eq!(void, [VOID.0[0], VOID.0[1], VOID.0[2]]);
-        assert!(void.iter().max().unwrap() - void.iter().min().unwrap() <= 2, "grey");
+        assert!(void.iter().max().unwrap() - void.iter().min().unwrap() <= 4, "grey");
         let sea = ramp.shaded(0.0, LEVEL, 1.0, 1.0);
         assert_eq!(sea.map(f32::from), SHORE);
         assert_eq!(ramp.shaded(1000.0, LEVEL, 0.0, 1.0), STOPS[5].1);
