@@ -3,6 +3,7 @@
 //! Coordinates are always x, y (easting or longitude first), whatever order the CRS itself declares.
 
 use crate::error::{Error, ErrorKind, Result};
+use gdal::errors::GdalError;
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 use gdal::vector::{Geometry as OgrGeometry, LayerAccess, OGRFieldType, OGRwkbGeometryType as Wkb};
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
@@ -128,12 +129,13 @@ fn open(path: &Path) -> Result<Dataset> {
         ..DatasetOptions::default()
     };
     Dataset::open_ex(path, options).map_err(|e| {
-        let reason = e.to_string();
-        Error::new(
-            ErrorKind::Input,
-            format!("GDAL cannot read vector layers from it ({}); try ogrinfo on it", reason.trim()),
-        )
-        .at_path(path)
+        let reason = match e {
+            GdalError::NullPointer { msg, .. } if msg.trim().is_empty() => "no driver recognises it".to_string(),
+            GdalError::NullPointer { msg, .. } => msg.trim().to_string(),
+            other => other.to_string(),
+        };
+        let message = format!("GDAL cannot read vector layers from it ({reason}); try ogrinfo on it");
+        Error::new(ErrorKind::Input, message).at_path(path)
     })
 }
 
@@ -281,7 +283,7 @@ fn transform_between(from: &SpatialRef, to: &SpatialRef) -> Result<CoordTransfor
 
 fn wkt2(crs: &SpatialRef) -> Result<String> {
     const FORMAT: &str = "OSR_WKT_FORMAT";
-    let failed = |e: gdal::errors::GdalError| Error::new(ErrorKind::Input, format!("the CRS cannot be written ({e})"));
+    let failed = |e: GdalError| Error::new(ErrorKind::Input, format!("the CRS cannot be written ({e})"));
     // The safe binding has no format argument; the option is the thread's own and is taken back.
     gdal::config::set_thread_local_config_option(FORMAT, "WKT2_2019").map_err(failed)?;
     let wkt = crs.to_wkt();
@@ -455,7 +457,8 @@ mod tests {
         let text = read_layer(&path, None, &[], Some("nonsense")).unwrap_err().to_string();
         assert!(text.contains("target CRS"), "{text}");
         std::fs::write(&path, "not a layer at all").unwrap();
-        assert!(read_layer(&path, None, &[], None).is_err());
+        let text = read_layer(&path, None, &[], None).unwrap_err().to_string();
+        assert!(text.contains("cannot read vector layers"), "{text}");
     }
 
     #[test]

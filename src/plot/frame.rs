@@ -43,7 +43,7 @@ impl Frame {
     /// Lines across the map at whole multiples of `step` units, as their coordinate and their pixel along the edge:
     /// those of equal x, then those of equal y; none on a rotated map.
     pub(super) fn multiples(&self, step: f64) -> [Vec<(f64, f32)>; 2] {
-        if !self.transform.is_axis_parallel() || !(step > 0.0) {
+        if !self.transform.is_axis_parallel() || step <= 0.0 || !step.is_finite() {
             return [Vec::new(), Vec::new()];
         }
         let values = |(low, high): (f64, f64)| {

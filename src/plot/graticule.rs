@@ -10,7 +10,10 @@ use super::tint::round_step;
 const SECONDS: [u32; 20] =
     [1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 18_000, 36_000, 72_000, 108_000, 162_000, 216_000];
 /// Least distance of two ticks in pixels.
-const APART: f64 = 150.0;
+const APART: f64 = 120.0;
+
+/// Writes a coordinate, given the letters of the positive and the negative side.
+type Labels = Box<dyn Fn(f64, [&str; 2]) -> String>;
 
 /// Draws ticks round the frame whose upper left corner lies at `left`, `top`.
 pub(super) fn draw_ticks(
@@ -22,7 +25,7 @@ pub(super) fn draw_ticks(
     s: f32,
 ) {
     let wanted = frame.units(APART * f64::from(s));
-    let (step, labels): (f64, Box<dyn Fn(f64, [&str; 2]) -> String>) = match degrees {
+    let (step, labels): (f64, Labels) = match degrees {
         Some(degrees) => {
             let Some(seconds) = SECONDS.into_iter().find(|&step| f64::from(step) >= wanted * degrees * 3600.0) else {
                 return;

@@ -28,11 +28,14 @@ pub(super) struct Legend<'a> {
     pub(super) s: f32,
 }
 
+/// Draws signs from a point rightwards, their middle at its height.
+type Sign<'a> = Box<dyn Fn(&mut Canvas, f32, f32) + 'a>;
+
 /// One thing explained: a heading with signs below it.
 struct Block<'a> {
     heading: String,
     width: f32,
-    sign: Box<dyn Fn(&mut Canvas, f32, f32) + 'a>,
+    sign: Sign<'a>,
 }
 
 /// Heights of a row of blocks, of the line of its headings and of the middle of its signs.

@@ -44,7 +44,7 @@ const TALLEST: f64 = 2.0;
 /// Draws a map as a PNG picture.
 ///
 /// The relief may be larger or smaller than the picture: it is averaged down, or interpolated. Peaks, saddles and
-/// labels that would overlap more prominent ones are left out; a note on the map says how many peaks are shown.
+/// labels that would overlap more prominent ones are left out; a note below the map says how many peaks are shown.
 ///
 /// # Errors
 /// A usage error for a width or an exaggeration out of range; see [`Relief::check`] for the others.
@@ -61,7 +61,7 @@ pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<
     if options.exaggeration.is_some_and(|z| !(z > 0.0 && z.is_finite())) {
         return Err(Error::usage("the exaggeration of heights must be a positive number"));
     }
-    let s = (options.width_px as f32 / 1600.0).clamp(0.5, 6.0);
+    let s = (options.width_px as f32 / 1600.0).clamp(0.75, 6.0);
     let margin = (26.0 * s).round();
     let (regular, bold) = (Font::regular(), Font::bold());
 
@@ -137,7 +137,10 @@ fn drawn_relief(relief: &Relief, frame: &Frame, options: &MapOptions) -> Result<
     let slopes = slopes(&averaged);
     let times = options.exaggeration.map_or_else(|| exaggeration(&slopes), |z| z as f32);
     let shade = hillshade(&slopes, times);
-    let ramp = Ramp::fit(averaged.elevation_m.iter().copied().zip(averaged.sea.iter().copied()));
+    // A regular sample ranks as well as all cells do; an odd step meets every column sooner or later.
+    let stride = (averaged.elevation_m.len() / 200_000).max(1) | 1;
+    let sample = averaged.elevation_m.iter().copied().zip(averaged.sea.iter().copied()).step_by(stride);
+    let ramp = Ramp::fit(sample);
     let known = averaged.valid.iter().map(|&v| f64::from(v)).sum::<f64>() / averaged.valid.len() as f64;
     let is_land = averaged.elevation_m.iter().zip(&averaged.sea).any(|(e, sea)| e.is_finite() && *sea < 0.5);
 
@@ -151,7 +154,7 @@ fn drawn_relief(relief: &Relief, frame: &Frame, options: &MapOptions) -> Result<
         .map(|i| ramp.shaded(elevation_m[i], if shade[i].is_nan() { LEVEL } else { shade[i] }, sea[i], valid[i]))
         .collect();
     let map = Canvas::from_pixels(frame.width, frame.height, &pixels)?;
-    Ok((map, Tints { ramp: is_land.then_some(ramp), voids: known < 0.9995 }))
+    Ok((map, Tints { ramp: is_land.then_some(ramp), voids: known < 0.9999 }))
 }
 
 fn varies(widths_m: &[f64]) -> bool {
@@ -163,11 +166,8 @@ fn varies(widths_m: &[f64]) -> bool {
 fn peaks_note(drawn: &Drawn) -> Option<String> {
     let shown: usize = drawn.peaks.iter().sum();
     (shown < drawn.peaks_there).then(|| {
-        format!(
-            "The {} most prominent of {} peaks for which there is room",
-            grouped(shown as f64),
-            grouped(drawn.peaks_there as f64)
-        )
+        let (shown, there) = (grouped(shown as f64), grouped(drawn.peaks_there as f64));
+        format!("{shown} of {there} peaks shown: where they crowd, the most prominent")
     })
 }
 
@@ -222,7 +222,7 @@ mod tests {
         let png = draw(&relief, &overlay(), &options).unwrap();
         let (width, height, pixels) = decoded(&png);
         assert_eq!(width, 400);
-        assert!(height > 280 && height < 400, "{height}");
+        assert!(height > 280 && height < 480, "{height}");
         assert!(pixels.iter().any(|&p| p < 60), "something dark was drawn");
         assert_eq!(draw(&relief, &overlay(), &options).unwrap(), png);
     }

@@ -75,7 +75,8 @@ impl Relief {
                 self.cell_x_m.len()
             ));
         }
-        if !self.transform.is_invertible() || !(self.cell_y_m > 0.0 && self.cell_y_m.is_finite()) {
+        let is_sized = self.cell_y_m > 0.0 && self.cell_y_m.is_finite();
+        if !self.transform.is_invertible() || !is_sized {
             return wrong("the geotransform has no inverse; check the georeference of the raster".into());
         }
         Ok(())
@@ -226,6 +227,10 @@ pub(super) struct Averaged {
 pub(super) fn stretch(plane: &[f32], from: (usize, usize), to: (usize, usize)) -> Vec<f32> {
     if from == to {
         return plane.to_vec();
+    }
+    // A relief without voids or without sea has planes of one value.
+    if let Some(&first) = plane.first().filter(|first| plane.iter().all(|value| value == *first)) {
+        return vec![first; to.0 * to.1];
     }
     let steps = |from: usize, to: usize| -> Vec<(usize, usize, f32)> {
         (0..to)

@@ -204,7 +204,7 @@ fn place_labels(room: &mut Room, peaks: &[(&PeakMark, Pixel)], classes: &Classes
         }
         // Room for the halo, and a little air.
         let size = (wide + 4.0 * s, high + 2.0 * s);
-        let away = classes.radius(class) * s / 0.8 + 0.5 * s;
+        let away = classes.radius(class) * s / 0.8 + 1.5 * s;
         if let Some(spot) = room.beside(*pixel, away, size) {
             let name = name.map(str::to_string);
             labels.push(Label { name, elevation, name_size, elevation_size, area: spot.area, side: spot.side });
@@ -231,5 +231,36 @@ impl Label {
                 y += size;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::GeoTransform;
+    use crate::plot::Relief;
+
+    #[test]
+    fn where_peaks_crowd_the_most_prominent_are_drawn() {
+        let relief = Relief::new(100, 100, vec![0.0; 10_000], GeoTransform::PIXELS, None).unwrap();
+        let frame = Frame::new(&relief, 300, 300);
+        let peak = |x: f64, y: f64, prominence_m: f64| PeakMark { x, y, prominence_m, elevation_m: 1.0, name: None };
+        let overlay = Overlay {
+            peaks: vec![
+                peak(50.0, -50.0, 4.0),
+                peak(50.5, -50.0, 900.0),
+                peak(10.0, -10.0, 4.0),
+                peak(500.0, 0.0, 9.0),
+            ],
+            saddles: vec![(30.0, -30.0), (50.0, -50.0)],
+            ..Overlay::default()
+        };
+        let classes = Classes::fit(overlay.peaks.iter().map(|p| p.prominence_m));
+        let mut canvas = Canvas::new(300, 300, Ink::WHITE).unwrap();
+        let drawn = draw_overlay(&mut canvas, &frame, &overlay, &classes, &Font::regular(), 1.0);
+        assert_eq!(drawn.peaks_there, 3, "one lies off the map");
+        assert_eq!(drawn.peaks.iter().sum::<usize>(), 2, "one hides behind a greater one");
+        assert_eq!(drawn.peaks[classes.of(900.0)], 1);
+        assert!(drawn.saddles && !drawn.ridges && !drawn.isolation);
     }
 }

@@ -86,9 +86,9 @@ pub(super) fn at_position(position: f32) -> [f32; 3] {
 /// Darkens towards a cool shadow, lightens towards a warm white.
 fn lit(colour: [f32; 3], brightness: f32, strength: f32) -> [f32; 3] {
     if brightness < LEVEL {
-        let dark = (1.0 - brightness / LEVEL).powf(0.9) * strength;
+        let dark = (1.0 - brightness / LEVEL) * strength;
         // Multiplied rather than painted over, so that tints keep their hue in the shade.
-        let shade = mix([255.0; 3], SHADOW, 0.88 * dark);
+        let shade = mix([255.0; 3], SHADOW, 0.92 * dark);
         std::array::from_fn(|i| colour[i] * shade[i] / 255.0)
     } else {
         mix(colour, LIGHT, (brightness - LEVEL) / (1.0 - LEVEL) * 0.75 * strength)
