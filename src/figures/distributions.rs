@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::orometry::distributions::{
     BinSet, Comparison, Definitions, Domain, Histogram, Measure, StatsDocument, Unit, compare_documents,
 };
-use crate::plot::{Chart, Panel, PanelKind, Series};
+use crate::plot::chart::{Chart, Panel, PanelKind, Series};
 
 /// One of the domains on a chart.
 #[derive(Clone, Copy, Debug)]

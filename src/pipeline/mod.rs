@@ -3,7 +3,9 @@
 pub mod layers;
 pub mod memory;
 mod metric;
+mod overlay;
 pub mod peaks;
 mod spikes;
 
 pub use metric::{AnyMetric, Distance, metric_of};
+pub use overlay::{OverlayLayers, ReadOverlay, read_overlay};

@@ -1,8 +1,8 @@
 //! Panels of directions: roses.
 
 use super::axis::{tick_text, ticks_to};
-use super::chart::{DARK, GREY, HEAD, PALE, PANEL_WIDTH, Paint, Panel, label, paint};
 use super::drawing::{Anchor, Drawing, Label, Step, Stroke, arc, circle, on_circle};
+use super::figure::{DARK, GREY, HEAD, PALE, PANEL_WIDTH, Paint, Panel, label, paint};
 
 const RADIUS: f64 = 52.0;
 

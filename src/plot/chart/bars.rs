@@ -1,8 +1,8 @@
 //! Panels of bars.
 
 use super::axis::{tick_text, ticks_to};
-use super::chart::{DARK, GREY, HEAD, PALE, PANEL_WIDTH, Paint, Panel, PanelKind, label, paint};
 use super::drawing::{Anchor, Drawing, Ink, Label, Step, Stroke, rectangle};
+use super::figure::{DARK, GREY, HEAD, PALE, PANEL_WIDTH, Paint, Panel, PanelKind, label, paint};
 
 /// Room left of the plot for the ticks, and right of it.
 const LEFT: f64 = 34.0;
