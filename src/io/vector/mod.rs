@@ -3,6 +3,7 @@
 mod csv;
 mod format;
 mod ogr;
+mod spatial_index;
 mod table;
 
 pub use format::{Format, Writer};

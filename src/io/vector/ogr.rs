@@ -1,6 +1,7 @@
 //! Layers through OGR: GeoPackage with styles and metadata, GeoJSON, FlatGeobuf.
 #![allow(unsafe_code, reason = "boolean fields have a subtype that the safe bindings cannot set")]
 
+use super::spatial_index::{Bounds, SpatialIndex};
 use super::table::{Field, FieldKind, Geometry, GeometryKind, Table, Value};
 use crate::crs::Crs;
 use crate::error::{Error, ErrorKind, Result};
@@ -76,31 +77,58 @@ fn write_layer(
     let mut options: Vec<&str> = Vec::new();
     if is_geopackage {
         // The peaks' `id` is the feature's own: rows are found, and edited, under one number.
-        options.extend(["GEOMETRY_NAME=geom", "FID=fid", description.as_str()]);
+        options.extend(["GEOMETRY_NAME=geom", "FID=fid", "SPATIAL_INDEX=NO", description.as_str()]);
     }
     let ty = match table.geometry_kind() {
         GeometryKind::Point => OGRwkbGeometryType::wkbPoint,
         GeometryKind::Line => OGRwkbGeometryType::wkbLineString,
         GeometryKind::MultiLine => OGRwkbGeometryType::wkbMultiLineString,
     };
-    let layer =
-        dataset.create_layer(LayerOptions { name: table.name(), srs, ty, options: Some(&options) }).map_err(wrong)?;
-    for field in table.fields() {
-        create_field(&layer, field).map_err(wrong)?;
+    {
+        let layer = dataset
+            .create_layer(LayerOptions { name: table.name(), srs, ty, options: Some(&options) })
+            .map_err(wrong)?;
+        for field in table.fields() {
+            create_field(&layer, field).map_err(wrong)?;
+        }
     }
+    let mut index = if is_geopackage { Some(SpatialIndex::begin(dataset, table.name()).map_err(wrong)?) } else { None };
     let multi = table.geometry_kind() == GeometryKind::MultiLine;
     let mut values = Vec::new();
     let mut wkb = Vec::new();
-    for row in 0..table.rows() {
-        values.clear();
-        table.values(row, &mut values);
-        to_wkb(&table.geometry(row), multi, &mut wkb);
-        write_feature(&layer, &values, &wkb).map_err(wrong)?;
-        if row % BATCH == BATCH - 1 {
-            watch.advance(BATCH as u64)?;
+    {
+        let layer = dataset.layer(dataset.layer_count() - 1).map_err(wrong)?;
+        for row in 0..table.rows() {
+            values.clear();
+            table.values(row, &mut values);
+            let geometry = table.geometry(row);
+            if let Some(index) = &mut index {
+                index.add(bounds_of(&geometry));
+            }
+            to_wkb(&geometry, multi, &mut wkb);
+            write_feature(&layer, &values, &wkb).map_err(wrong)?;
+            if row % BATCH == BATCH - 1 {
+                watch.advance(BATCH as u64)?;
+            }
         }
     }
+    if let Some(index) = index {
+        index.finish(dataset).map_err(wrong)?;
+    }
     watch.advance((table.rows() % BATCH) as u64)
+}
+
+/// Least x, greatest x, least y, greatest y.
+fn bounds_of(geometry: &Geometry) -> Bounds {
+    let mut bounds = [f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY];
+    let mut add = |x: f64, y: f64| {
+        bounds = [bounds[0].min(x), bounds[1].max(x), bounds[2].min(y), bounds[3].max(y)];
+    };
+    match geometry {
+        Geometry::Point(x, y) => add(*x, *y),
+        Geometry::Lines(pieces) => pieces.iter().flatten().for_each(|&(x, y)| add(x, y)),
+    }
+    bounds
 }
 
 fn create_field<L: LayerAccess>(layer: &L, field: &Field) -> gdal::errors::Result<()> {
