@@ -5,6 +5,7 @@ mod peaks;
 mod progress;
 mod report;
 mod shared;
+mod tags;
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
