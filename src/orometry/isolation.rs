@@ -9,6 +9,8 @@ use super::pyramid::{BASE, FAN, Level, Pyramid};
 use super::survey::Isolation;
 use crate::crs::{Block, Metric, Place, Vector};
 use crate::grid::{Cell, Grid, Key};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Searches of one raster.
 pub(super) struct Isolations<'a, K, M: ?Sized> {
@@ -58,7 +60,8 @@ pub(super) struct Search {
     nearest2: f64,
     /// Hits that were within the limit when they were met, with their `near2`.
     hits: Vec<(f64, Cell)>,
-    stack: Vec<(f64, u32, u32)>,
+    /// Blocks to look into, the nearest first: the bits of a bound (which sort as it does), level, number.
+    blocks: BinaryHeap<Reverse<(u64, u32, u32)>>,
 }
 
 impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
@@ -107,7 +110,7 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         search.limit2 = self.metric.reach2(limit_m * limit_m);
         search.nearest2 = f64::INFINITY;
         search.hits.clear();
-        search.stack.clear();
+        search.blocks.clear();
         let done = self.look_around(p, target, search);
         if !done {
             self.descend(p, target, search);
@@ -129,8 +132,8 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         best
     }
 
-    /// Looks into the blocks next to the place, then puts on the stack the blocks, as small as can be, that together
-    /// hold all that is within the limit. Returns whether the first look was enough.
+    /// Looks into the blocks next to the place, then lines up the blocks, as small as can be, that together hold
+    /// all that is within the limit. Returns whether the first look was enough.
     fn look_around(&self, p: Place, target: &impl Target<K>, search: &mut Search) -> bool {
         for (l, level) in self.pyramid.levels.iter().enumerate() {
             let side = level.side as i64;
@@ -159,7 +162,6 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                         self.push(p, l, r, c, target, search);
                     }
                 }
-                search.stack.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
                 return false;
             }
         }
@@ -170,7 +172,6 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                 self.push(p, top, r, c, target, search);
             }
         }
-        search.stack.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         false
     }
 
@@ -204,16 +205,17 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         if target.may_hold(level, index) {
             let bound2 = self.metric.block2(p, &self.block(level, r, c));
             if bound2 <= search.limit2 {
-                search.stack.push((bound2, l as u32, index as u32));
+                search.blocks.push(Reverse((bound2.to_bits(), l as u32, index as u32)));
             }
         }
     }
 
     fn descend(&self, p: Place, target: &impl Target<K>, search: &mut Search) {
         let (own_row, own_col) = (p.0 as usize / BASE, p.1 as usize / BASE);
-        while let Some((bound2, l, index)) = search.stack.pop() {
-            if bound2 > search.limit2 {
-                continue;
+        while let Some(Reverse((bits, l, index))) = search.blocks.pop() {
+            if f64::from_bits(bits) > search.limit2 {
+                // All others are at least as far.
+                break;
             }
             let level = &self.pyramid.levels[l as usize];
             let (r, c) = (index as usize / level.cols, index as usize % level.cols);
@@ -225,14 +227,11 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                 continue;
             }
             let fine = &self.pyramid.levels[l as usize - 1];
-            let from = search.stack.len();
             for r in r * FAN..((r + 1) * FAN).min(fine.rows) {
                 for c in c * FAN..((c + 1) * FAN).min(fine.cols) {
                     self.push(p, l as usize - 1, r, c, target, search);
                 }
             }
-            // The nearest is looked into first.
-            search.stack[from..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         }
     }
 

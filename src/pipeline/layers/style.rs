@@ -98,8 +98,8 @@ pub(super) fn peaks(unit: LengthOutput) -> Style {
     }
     let bounds: Vec<f64> = PEAK_CLASSES.iter().map(|class| class.0).collect();
     let renderer = graduated(&format!("prominence_{suffix}"), unit, &bounds, &symbols);
-    // At 1:100,000 peaks of 50 m and more are labelled, at 1:1,000,000 those of 500 m.
-    let scale = 2000.0 / unit.of(1.0);
+    // At 1:24,000 peaks of 30 m and more are labelled, at 1:400,000 those of 500 m.
+    let scale = 800.0 / unit.of(1.0);
     let text =
         format!("coalesce(&quot;name&quot; || '\\n', '') || format_number(round(&quot;elevation_{suffix}&quot;), 0)");
     let labels = format!(
