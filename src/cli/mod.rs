@@ -5,6 +5,7 @@ mod peaks;
 mod progress;
 mod report;
 mod shared;
+mod tags;
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
@@ -25,7 +26,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Info(info::Info),
-    Peaks(peaks::Peaks),
+    Peaks(Box<peaks::Peaks>),
 }
 
 /// Runs the program with its arguments, the program's name first; returns the exit code.

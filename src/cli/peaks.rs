@@ -3,12 +3,13 @@
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, InputOptions, MemoryOptions, OutputOptions};
+use super::tags::{NameOptions, RegionOptions};
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::orometry::SurveyOptions;
-use crate::pipeline::Distance;
 use crate::pipeline::layers::{LengthOutput, NAMES};
 use crate::pipeline::peaks::{PeaksJob, PeaksReport, run};
+use crate::pipeline::{Distance, TagOptions};
 use crate::units::parse_length_m;
 use clap::Args;
 use serde_json::{Value, json};
@@ -55,6 +56,10 @@ pub(super) struct Peaks {
     /// Unit of lengths in the output, and in its field names.
     #[arg(long, value_name = "UNIT", value_parser = ["m", "ft"], default_value = "m")]
     output_unit: String,
+    #[command(flatten)]
+    regions: RegionOptions,
+    #[command(flatten)]
+    names: NameOptions,
     #[command(flatten)]
     raster: InputOptions,
     #[command(flatten)]
@@ -111,6 +116,7 @@ impl Peaks {
                 ..SurveyOptions::default()
             },
             distance: if self.distance == "geodesic" { Distance::Geodesic } else { Distance::Crs },
+            tags: TagOptions { regions: self.regions.meant(), names: self.names.meant()? },
             layers,
             unit: if self.output_unit == "ft" { LengthOutput::Feet } else { LengthOutput::Metres },
             memory: self.memory.bytes()?,
@@ -146,6 +152,8 @@ impl Peaks {
         if self.output_unit != "m" {
             put("--output-unit", Some(&self.output_unit));
         }
+        words.extend(self.regions.words());
+        words.extend(self.names.words());
         words.extend(self.raster.words());
         words
     }
@@ -264,6 +272,8 @@ fn json(job: &PeaksJob, report: &PeaksReport) -> Value {
         "roots": peaks.iter().filter(|peak| peak.is_root).count(),
         "certain_prominences": peaks.iter().filter(|peak| peak.prominence_certain).count(),
         "edges": report.survey.edges.len(),
+        "named": job.tags.names.as_ref().map(|_| report.tags.iter().filter(|tags| tags.name.is_some()).count()),
+        "in_regions": job.tags.regions.as_ref().map(|_| report.tags.iter().filter(|tags| tags.region.is_some()).count()),
         "top": top,
         "seconds": { "read": read, "measure": measured, "write": written },
     })

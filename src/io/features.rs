@@ -2,6 +2,7 @@
 //!
 //! Coordinates are always x, y (easting or longitude first), whatever order the CRS itself declares.
 
+use super::messages::quiet;
 use crate::error::{Error, ErrorKind, Result};
 use gdal::errors::GdalError;
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
@@ -118,6 +119,7 @@ pub fn read_layer(
 }
 
 fn open(path: &Path) -> Result<Dataset> {
+    quiet();
     let text = path.to_string_lossy();
     // Names such as /vsizip/... or PG:... are GDAL's own and not of the file system.
     let is_local = !text.starts_with("/vsi") && !text.contains(':');

@@ -4,6 +4,7 @@ use super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput, NAMES,
 use super::memory;
 use super::metric::{AnyMetric, Distance, metric_of};
 use super::spikes;
+use super::tags::{TagOptions, Tagger};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, Result};
 use crate::io::raster::{Dem, RasterOptions, RasterSource};
@@ -30,6 +31,8 @@ pub struct PeaksJob {
     pub survey: SurveyOptions,
     /// How to measure distances.
     pub distance: Distance,
+    /// What to tag peaks with.
+    pub tags: TagOptions,
     /// Names of the layers to write, in the order of [`NAMES`].
     pub layers: Vec<String>,
     /// Unit of lengths in the output.
@@ -77,6 +80,7 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
         warn(&text);
         warnings.push(text);
     };
+    let tagger = Tagger::read(&job.tags, source.crs.as_ref(), &mut note)?;
     let begun = Instant::now();
     let dem = source.read(watch)?;
     let read = begun.elapsed();
@@ -89,7 +93,7 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
         .map_err(at_input)?;
     warn_of_result(&dem, &metric, &found, job, &mut note);
     let frame = Frame::new(&dem, to_geographic.as_ref(), job.unit);
-    let tags: Vec<PeakTags> = Vec::new();
+    let tags = tagger.tag(&found.peaks, &frame, job.distance, &mut note);
     let measured = begun.elapsed();
     let begun = Instant::now();
     let tables: Vec<Box<dyn Table + '_>> = layer_names

@@ -1,6 +1,6 @@
 //! What all layers share: where cells lie, and the unit of their lengths.
 
-use crate::crs::ToGeographic;
+use crate::crs::{CrsKind, ToGeographic};
 use crate::grid::Cell;
 use crate::io::raster::Dem;
 use crate::io::transform::OwnGeographic;
@@ -74,6 +74,16 @@ impl<'a> Frame<'a> {
         } else {
             points.map(|(x, y)| self.dem.geographic(x, y).unwrap_or((f64::NAN, f64::NAN))).collect()
         }
+    }
+
+    /// What the coordinates are; `None` without a CRS.
+    pub fn crs_kind(&self) -> Option<&'a CrsKind> {
+        self.dem.crs.as_ref().map(|crs| &crs.kind)
+    }
+
+    /// What turns projected coordinates into longitudes and latitudes, where there is something.
+    pub fn to_geographic(&self) -> Option<&'a OwnGeographic> {
+        self.to_geographic
     }
 
     /// Whether lines may cross the seam of a raster whose columns wrap.
