@@ -1,6 +1,6 @@
 //! Orograph reads georeferenced elevation models and measures their orometry: peaks, key saddles, prominence,
 //! isolation and divide trees.
-#[macro_use]
+
 pub mod grid;
 pub mod crs;
 pub mod error;

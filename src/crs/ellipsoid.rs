@@ -1,5 +1,6 @@
 //! Ellipsoids of revolution: geodesics and places in space.
 
+use super::metric::SLACK;
 use geographiclib_rs::{Geodesic as Karney, InverseGeodesic};
 
 /// An ellipsoid of revolution.
@@ -41,6 +42,19 @@ impl Ellipsoid {
         let (x, z) = self.meridian(lat);
         let (sin, cos) = lon.to_radians().sin_cos();
         [x * cos, x * sin, z]
+    }
+
+    /// An upper bound of the squared geodesic distance between points whose squared chord is known; infinite from
+    /// chords as long as the least radius of curvature on.
+    ///
+    /// A geodesic bends at most as a circle of the least radius of curvature r does; Schur's comparison theorem then
+    /// bounds it by that circle's arc over the same chord, `2 r asin(c / 2 r) = c (1 + c²/24r² + 3c⁴/640r⁴ + ...)`,
+    /// whose square stays below `c² (1 + c²/10r²)` up to `c = r`.
+    #[inline]
+    pub(super) fn reach2(&self, chord2: f64) -> f64 {
+        let radius_m = self.b_m() * self.b_m() / self.a_m;
+        let ratio = chord2 / (radius_m * radius_m);
+        if ratio < 1.0 { chord2 * (1.0 + ratio / 10.0) * SLACK + 1e-9 } else { f64::INFINITY }
     }
 
     /// Area in square metres of one degree of longitude from the equator up to a latitude (negative southwards).

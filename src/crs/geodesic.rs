@@ -23,8 +23,6 @@ pub struct Geodesic {
     step: f64,
     /// Columns in 360 degrees, where the grid wraps.
     around: Option<i64>,
-    /// Least radius of curvature of the ellipsoid in metres.
-    radius_m: f64,
     ellipsoid: Ellipsoid,
     lat0: f64,
     lat_step: f64,
@@ -84,7 +82,6 @@ impl Geodesic {
             sin2,
             step,
             around: wraps.then_some(cols as i64),
-            radius_m: ellipsoid.b_m().powi(2) / ellipsoid.a_m,
             ellipsoid: *ellipsoid,
             lat0: lat_of(0.0),
             lat_step: transform.0[5] * degrees,
@@ -169,11 +166,7 @@ impl Metric for Geodesic {
 
     #[inline]
     fn reach2(&self, near2: f64) -> f64 {
-        // A geodesic bends at most as a circle of the least radius of curvature; Schur's comparison theorem then
-        // bounds it by that circle's arc over the same chord, 2 r asin(c / 2 r) = c (1 + c²/24r² + 3c⁴/640r⁴ + ...).
-        // Its square is below c² (1 + c²/10r²) up to c = r.
-        let ratio = near2 / (self.radius_m * self.radius_m);
-        if ratio < 1.0 { near2 * (1.0 + ratio / 10.0) * SLACK + 1e-9 } else { f64::INFINITY }
+        self.ellipsoid.reach2(near2)
     }
 
     fn outside_m(&self, p: Place, rows: i64, cols: i64, limit_m: f64) -> Option<f64> {
@@ -181,22 +174,23 @@ impl Metric for Geodesic {
         let lat1 = self.lat(p.0);
         for row in [-1, rows] {
             let lat = self.lat(row);
-            if !lat.is_nan() {
+            if !lat.is_nan() && Self::chord2(self.meridian(p.0), self.meridian(row), 0.0) <= best * best * SLACK {
                 best = best.min(self.between(lat1, lat, 0).0);
             }
         }
         if self.around.is_some() {
             return (best < limit_m).then_some(best);
         }
-        let here = self.ellipsoid.meridian(lat1);
+        let here = self.meridian(p.0);
         for col in [-1, cols] {
             let apart = self.apart(p, (0, col));
-            let dlon = self.dlon(apart);
-            let sin2 = (dlon.to_radians() / 2.0).sin().powi(2);
-            // The plane of the other meridian is no further than any of its points.
-            if dlon < 90.0 && here.0 * dlon.to_radians().sin() > best * SLACK {
+            // sin w >= w (1 - w²/6), so the plane of the other meridian is at least so far; cheap, and mostly enough.
+            let w = (apart as f64 * self.step).to_radians();
+            if w < 1.5 && here.0 * w * (1.0 - w * w / 6.0) > best * SLACK {
                 continue;
             }
+            let dlon = self.dlon(apart);
+            let sin2 = (dlon.to_radians() / 2.0).sin().powi(2);
             // The nearest place of a column may lie in any row, towards the pole, in the raster or beyond it.
             for down in [false, true] {
                 let mut row = if down { p.0 } else { p.0 - 1 };

@@ -44,6 +44,11 @@ pub trait Metric: Sync {
     /// as its distance; the grid goes on outwards.
     fn outside_m(&self, p: Place, rows: i64, cols: i64, limit_m: f64) -> Option<f64>;
 
+    /// Whether distances depend on the difference of the columns only, not on the columns.
+    fn is_alike_along_rows(&self) -> bool {
+        true
+    }
+
     /// Whether there is no place at all outside of a raster of `rows` rows whose columns wrap.
     fn is_whole_globe(&self, _rows: i64) -> bool {
         false

@@ -175,8 +175,12 @@ impl Metric for Surface<'_> {
         sum
     }
 
-    fn reach2(&self, _near2: f64) -> f64 {
-        f64::INFINITY
+    fn reach2(&self, near2: f64) -> f64 {
+        self.ellipsoid.reach2(near2)
+    }
+
+    fn is_alike_along_rows(&self) -> bool {
+        false
     }
 
     fn outside_m(&self, p: Place, rows: i64, cols: i64, limit_m: f64) -> Option<f64> {

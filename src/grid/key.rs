@@ -7,6 +7,12 @@ use std::hash::Hash;
 pub trait Key: Copy + Ord + Hash + Debug + Default + Send + Sync + 'static {
     /// The key of a void; below every elevation.
     const VOID: Self;
+    /// An integer in which a falling key and a rising number stand together.
+    type Rank: Copy + Ord + Send + Sync + 'static;
+    /// The rank that sorts higher keys first, and equal ones by `order`.
+    fn falling(self, order: u32) -> Self::Rank;
+    /// The `order` of a rank.
+    fn order_of(rank: Self::Rank) -> u32;
     /// The key as a 64-bit integer, order kept.
     fn to_i64(self) -> i64;
     /// The inverse of [`Key::to_i64`] for values that came from it.
@@ -14,9 +20,20 @@ pub trait Key: Copy + Ord + Hash + Debug + Default + Send + Sync + 'static {
 }
 
 macro_rules! key {
-    ($($t:ty),*) => {$(
+    ($($t:ty => $rank:ty),*) => {$(
         impl Key for $t {
             const VOID: Self = <$t>::MIN;
+            type Rank = $rank;
+            #[inline]
+            fn falling(self, order: u32) -> $rank {
+                // `!` turns the order round; the shift by the type's least value makes it unsigned.
+                (i128::from(!self) - i128::from(<$t>::MIN)) as $rank << 32 | <$rank>::from(order)
+            }
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, reason = "the low 32 bits are the order")]
+            fn order_of(rank: $rank) -> u32 {
+                rank as u32
+            }
             #[inline]
             fn to_i64(self) -> i64 {
                 i64::from(self)
@@ -29,4 +46,24 @@ macro_rules! key {
         }
     )*};
 }
-key!(i16, i32, i64);
+key!(i16 => u64, i32 => u64, i64 => u128);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ranks_fall<K: Key>(keys: &[K]) {
+        for pair in keys.windows(2) {
+            assert!(pair[1].falling(9) < pair[0].falling(3), "{pair:?}: the higher key comes first");
+            assert!(pair[0].falling(3) < pair[0].falling(4), "{pair:?}: then the order");
+        }
+        assert_eq!(K::order_of(keys[0].falling(u32::MAX)), u32::MAX);
+    }
+
+    #[test]
+    fn ranks() {
+        ranks_fall(&[i16::MIN, -1, 0, 1, i16::MAX]);
+        ranks_fall(&[i32::MIN, -1, 0, 1, i32::MAX]);
+        ranks_fall(&[i64::MIN, -1, 0, 1, i64::MAX]);
+    }
+}

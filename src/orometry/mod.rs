@@ -1,5 +1,15 @@
 //! Orometry: peaks, key saddles, prominence, isolation and divide trees, exactly as the definitions have them.
 
+mod divide;
+mod forest;
+mod isolation;
+mod lowest;
+mod measure;
+mod prune;
+mod pyramid;
+mod ridge;
 mod survey;
+mod tile;
 
-pub use survey::{Isolation, KeySaddle, Peak, Survey, TreeEdge};
+pub use measure::survey;
+pub use survey::{Isolation, KeySaddle, Peak, Survey, SurveyOptions, TreeEdge};

@@ -84,6 +84,10 @@ pub struct TreeEdge {
     pub saddle_elevation_m: f64,
     /// Prominence in metres of the peak that ends here.
     pub prominence_m: f64,
+    /// The cells of the line from peak a over the saddle to peak b; empty unless lines were asked for.
+    pub path: Vec<Cell>,
+    /// Length of that line in metres.
+    pub length_m: f64,
 }
 
 /// Peaks and divide tree of one DEM.
@@ -93,4 +97,42 @@ pub struct Survey {
     pub peaks: Vec<Peak>,
     /// The edges of the pruned divide tree, by the id of the peak that ends there.
     pub edges: Vec<TreeEdge>,
+    /// Local maxima of the raster, whatever their prominence.
+    pub local_peaks: u64,
+}
+
+/// What to measure, and what to leave out.
+#[derive(Clone, Debug)]
+pub struct SurveyOptions {
+    /// Peaks with a lower prominence are taken into the group of a higher one.
+    pub min_prominence_m: f64,
+    /// Elevation below which saddles count as this elevation, if any.
+    pub base_level_m: Option<f64>,
+    /// Voids are known to be lower than everything.
+    pub nodata_is_sea: bool,
+    /// Whether to measure isolation.
+    pub isolation: bool,
+    /// Whether to draw the lines of the divide tree.
+    pub ridges: bool,
+    /// Peaks with a lower isolation get no row; the highest peak always does.
+    pub min_isolation_m: f64,
+    /// Peaks whose prominence, or isolation where it is measured, is not certain get no row.
+    pub certain_only: bool,
+    /// Side in cells of the tiles that are worked on at once; results do not depend on it.
+    pub tile: usize,
+}
+
+impl Default for SurveyOptions {
+    fn default() -> Self {
+        Self {
+            min_prominence_m: 30.0,
+            base_level_m: None,
+            nodata_is_sea: false,
+            isolation: true,
+            ridges: true,
+            min_isolation_m: 0.0,
+            certain_only: false,
+            tile: 256,
+        }
+    }
 }
