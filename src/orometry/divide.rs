@@ -97,7 +97,9 @@ impl<K: Key> DivideForest<K> {
         if total >= u64::from(u32::MAX) {
             return Err(Error::new(
                 ErrorKind::Unsupported,
-                format!("the raster has {total} local peaks, more than the 4294967294 that can be joined; cut it with --window or --bbox"),
+                format!(
+                    "the raster has {total} local peaks, more than the 4294967294 that can be joined; cut it with --window or --bbox"
+                ),
             ));
         }
         let portals = Portals::trace(grid, &work, side);

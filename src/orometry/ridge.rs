@@ -164,7 +164,13 @@ impl<'a, M: Metric + ?Sized> Steps<'a, M> {
         match self.rows.get(p.0.min(q.0) as usize) {
             // A sheared grid has two diagonals of different lengths.
             Some(row) if (p.0 == q.0 || p.1 == q.1) || self.has_one_diagonal() => {
-                row[if p.0 == q.0 { 0 } else if p.1 == q.1 { 1 } else { 2 }]
+                row[if p.0 == q.0 {
+                    0
+                } else if p.1 == q.1 {
+                    1
+                } else {
+                    2
+                }]
             }
             _ => self.metric.distance_m(p, q),
         }

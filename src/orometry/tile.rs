@@ -264,7 +264,15 @@ impl<'a, K: Key> Scanner<'a, K> {
         }
         let keys = &self.keys;
         let mut top = at - self.stride - 1;
-        for next in [at - self.stride, at - self.stride + 1, at - 1, at + 1, at + self.stride - 1, at + self.stride, at + self.stride + 1] {
+        for next in [
+            at - self.stride,
+            at - self.stride + 1,
+            at - 1,
+            at + 1,
+            at + self.stride - 1,
+            at + self.stride,
+            at + self.stride + 1,
+        ] {
             if keys[next] > keys[top] {
                 top = next;
             }
@@ -466,7 +474,11 @@ const fn pieces_of() -> [[u8; 4]; 256] {
                     while step <= 2 {
                         let j = (i + step) % 8;
                         let (p, q) = (1 << RING[i], 1 << RING[j]);
-                        if rest & p != 0 && rest & q != 0 && (piece & p != 0 || piece & q != 0) && (step == 1 || i % 2 == 1) {
+                        if rest & p != 0
+                            && rest & q != 0
+                            && (piece & p != 0 || piece & q != 0)
+                            && (step == 1 || i % 2 == 1)
+                        {
                             piece |= p | q;
                         }
                         step += 1;

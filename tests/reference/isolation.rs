@@ -50,7 +50,7 @@ fn nearest_unknown_m(raster: &Raster, metric: &dyn Metric, here: Place, options:
         }
     }
     let (metric, before, size) = match &options.frame {
-        Some(frame) => (frame.metric, frame.before, frame.size),
+        Some(frame) => (frame.metric, frame.before, (frame.size.0 as i64, frame.size.1 as i64)),
         None if raster.wraps => (metric, (1, 0), (raster.rows + 2, raster.cols)),
         None => (metric, (1, 1), (raster.rows + 2, raster.cols + 2)),
     };

@@ -64,7 +64,7 @@ pub struct Frame<'a> {
     /// Rows and columns by which the larger raster begins before the raster.
     pub before: (i64, i64),
     /// Rows and columns of the larger raster.
-    pub size: (i64, i64),
+    pub size: (usize, usize),
 }
 
 /// A peak with all its measures; the fields are those of [`orograph::orometry::Peak`], flat.
