@@ -286,6 +286,24 @@ fn certificates_see_what_the_island_touches() {
 }
 
 #[test]
+fn a_clipped_neighbour_at_the_same_saddle_unsettles_nobody() {
+    // At the saddle 5 the 9 first takes the 8, whose island runs off the border, and then ends against the 20. Its
+    // own island is the 9 alone: whatever lies beyond the border, it ends at this saddle.
+    #[rustfmt::skip]
+    let answer = measured(7, &[
+        0, 0, 0, 0, 0,  0, 0,
+        0, 0, 0, 0, 0,  0, 0,
+        0, 0, 0, 9, 0,  0, 0,
+        0, 0, 0, 5, 0,  0, 0,
+        0, 0, 8, 0, 6,  0, 0,
+        0, 7, 0, 0, 0, 20, 0,
+        6, 0, 0, 0, 0,  0, 0,
+    ], &from(1.0));
+    assert_eq!(prominences(&answer), [(40, 20.0, 15.0, false), (17, 4.0, 4.0, true), (30, 3.0, 2.0, false)]);
+    assert_eq!((answer.at(30).unwrap().island_parent, answer.at(17).unwrap().island_parent), (Some(2), Some(1)));
+}
+
+#[test]
 fn one_cell_and_low_ground() {
     let answer = measured(1, &[7], &from(0.0));
     assert_eq!(prominences(&answer), [(0, 7.0, 0.0, false)]);

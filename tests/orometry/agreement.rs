@@ -1,10 +1,11 @@
 //! The survey is the reference's, whatever the tiles and the threads.
 
-use super::case::{Case, case, picture};
+use super::case::{Case, large_case, picture, small_case};
 use super::compare::{Tolerance, differences};
 use super::ground::{Ground, Margins};
-use super::reference::{self, Answer, Frame, Options};
+use super::reference::{self, Answer, Frame, Options, RefPeak};
 use super::{cases, subject};
+use orograph::grid::Cell;
 use orograph::orometry::{Survey, SurveyOptions};
 use orograph::with_grid;
 use proptest::prelude::*;
@@ -67,36 +68,94 @@ fn check(case: &Case, got: &Answer, want: &Answer, how: &str) -> Result<(), Test
     Ok(())
 }
 
+/// The survey agrees with the reference, to the byte the same from tiling to tiling.
+fn agrees(case: &Case) -> Result<(), TestCaseError> {
+    let want = expected(case);
+    let first = surveyed(case, TILES[0]);
+    for tile in TILES {
+        let survey = surveyed(case, tile);
+        check(case, &subject::answer(&survey), &want, &format!("tiles of {tile}"))?;
+        prop_assert_eq!(format!("{:?}", &survey), format!("{:?}", &first), "tiles of {}", tile);
+    }
+    lengths_add_up(case, &first)
+}
+
+/// The length of every line is the sum of its steps.
+fn lengths_add_up(case: &Case, survey: &Survey) -> Result<(), TestCaseError> {
+    if case.wraps_anyway {
+        // The metric would go the long way over the seam.
+        return Ok(());
+    }
+    let metric = case.ground.metric(case.rows, case.cols, Margins::default());
+    let place = |cell: Cell| (cell as i64 / case.cols as i64, cell as i64 % case.cols as i64);
+    for edge in &survey.edges {
+        let sum: f64 = edge.path.windows(2).map(|w| metric.distance_m(place(w[0]), place(w[1]))).sum();
+        prop_assert!((sum - edge.length_m).abs() <= 1e-9 * sum, "{} m for {sum} m: {edge:?}", edge.length_m);
+    }
+    Ok(())
+}
+
+/// Row filters take rows away and change nothing else.
+fn filters(case: &Case, min_isolation_m: f64) -> Result<(), TestCaseError> {
+    let metric = case.ground.metric(case.rows, case.cols, Margins::default());
+    let ask = |min_isolation_m: f64, certain_only: bool| {
+        let options = SurveyOptions {
+            min_prominence_m: case.min_prominence_m(),
+            base_level_m: case.base_level_m(),
+            nodata_is_sea: case.nodata_is_sea,
+            min_isolation_m,
+            certain_only,
+            ..SurveyOptions::default()
+        };
+        let survey = subject::survey(&case.grid(), &case.storage.elevations(), &*metric, &options);
+        subject::answer(&survey).peaks
+    };
+    let all = ask(0.0, false);
+    let ids = |peaks: &[RefPeak]| peaks.iter().map(|p| (p.id, p.cell)).collect::<Vec<_>>();
+    let far = |p: &RefPeak| p.isolation.as_ref().and_then(|i| i.isolation_m).is_none_or(|m| m >= min_isolation_m);
+    let certain = |p: &RefPeak| p.prominence_certain && p.isolation.as_ref().is_none_or(|i| i.certain);
+    let isolated: Vec<RefPeak> = all.iter().filter(|p| far(p)).cloned().collect();
+    prop_assert_eq!(ids(&ask(min_isolation_m, false)), ids(&isolated), "isolation of {} m", min_isolation_m);
+    let sure: Vec<RefPeak> = all.iter().filter(|p| certain(p)).cloned().collect();
+    prop_assert_eq!(ids(&ask(0.0, true)), ids(&sure), "certain only");
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(cases(3000))]
 
     #[test]
-    fn every_tiling_agrees_with_the_reference(case in case()) {
-        let want = expected(&case);
-        let mut first: Option<Survey> = None;
-        for tile in TILES {
-            let survey = surveyed(&case, tile);
-            check(&case, &subject::answer(&survey), &want, &format!("tiles of {tile}"))?;
-            // Not only near the reference: the very same from tiling to tiling.
-            let text = |s: &Survey| format!("{s:?}");
-            match &first {
-                Some(first) => prop_assert_eq!(text(&survey), text(first), "tiles of {}", tile),
-                None => first = Some(survey),
-            }
-        }
+    fn every_tiling_agrees_with_the_reference(case in small_case()) {
+        agrees(&case)?;
     }
 }
 
 proptest! {
-    #![proptest_config(cases(300))]
+    #![proptest_config(proptest::test_runner::Config { max_shrink_iters: 200, ..cases(60) })]
 
     #[test]
-    fn threads_change_nothing(case in case()) {
+    fn every_tiling_of_large_grids_agrees_with_the_reference(case in large_case()) {
+        agrees(&case)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(200))]
+
+    #[test]
+    fn threads_change_nothing(case in prop_oneof![3 => small_case(), 1 => large_case()]) {
         let (one, two) = (pool(1), pool(2));
         for tile in [3, 8] {
             let alone = one.install(|| surveyed(&case, tile));
             let shared = two.install(|| surveyed(&case, tile));
             prop_assert_eq!(format!("{alone:?}"), format!("{shared:?}"), "tiles of {}", tile);
+        }
+    }
+
+    #[test]
+    fn filters_only_take_rows_away(case in small_case(), cells in 0_u8..6) {
+        if case.isolation() {
+            filters(&case, f64::from(cells) * 30.0)?;
         }
     }
 }

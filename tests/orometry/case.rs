@@ -183,16 +183,20 @@ fn noise(rows: usize, cols: usize, seed: u64, steps: i16, void_percent: u64) -> 
         .collect()
 }
 
-/// Rows and columns, mostly small, with single rows, single columns and single cells among them.
-fn shape() -> impl Strategy<Value = (usize, usize)> {
+/// Rows and columns, mostly few, with single rows, single columns and single cells among them.
+fn small() -> impl Strategy<Value = (usize, usize)> {
     prop_oneof![
         6 => (1_usize..=9, 1_usize..=9),
-        4 => (1_usize..=24, 1_usize..=24),
+        3 => (1_usize..=18, 1_usize..=18),
         1 => (Just(1_usize), 1_usize..=70),
         1 => (1_usize..=70, Just(1_usize)),
         1 => (Just(2_usize), 1_usize..=70),
-        1 => (60_usize..=70, 60_usize..=70),
     ]
+}
+
+/// Rows and columns around those of a large internal tile.
+fn large() -> impl Strategy<Value = (usize, usize)> {
+    (60_usize..=70, 60_usize..=70)
 }
 
 /// Levels of a grid: drawn cell by cell where it is small, so that failures shrink to a few telling cells.
@@ -210,8 +214,18 @@ fn levels(rows: usize, cols: usize) -> BoxedStrategy<Vec<Option<i16>>> {
     prop_oneof![drawn, seeded].boxed()
 }
 
-/// Grids of every kind.
-pub fn case() -> impl Strategy<Value = Case> {
+/// Small grids of every kind.
+pub fn small_case() -> impl Strategy<Value = Case> {
+    case(small())
+}
+
+/// Large grids of every kind.
+pub fn large_case() -> impl Strategy<Value = Case> {
+    case(large())
+}
+
+/// Grids of a shape.
+fn case(shape: impl Strategy<Value = (usize, usize)>) -> impl Strategy<Value = Case> {
     let storage = prop_oneof![
         4 => Just(Storage::Metres16),
         1 => Just(Storage::Feet16),
@@ -224,7 +238,7 @@ pub fn case() -> impl Strategy<Value = Case> {
     // A base level needs a positive threshold: peaks below the base have no prominence to be ordered by.
     let base = prop_oneof![4 => Just(None), 1 => Just(Some(0.5)), 1 => Just(Some(2.0))];
     let flags = (any::<bool>(), prop_oneof![7 => Just(false), 1 => Just(true)]);
-    (shape(), ground(), storage, threshold, base, flags).prop_flat_map(
+    (shape, ground(), storage, threshold, base, flags).prop_flat_map(
         |((rows, cols), ground, storage, threshold, base, (nodata_is_sea, wraps_anyway))| {
             levels(rows, cols).prop_map(move |levels| Case {
                 rows,

@@ -7,7 +7,8 @@
 //! Where the definitions leave room, this is how they are read here:
 //! - A root's component that touches nothing unknown (an island in a sea of known voids) is certain, like every root
 //!   of a whole globe without unknown voids; its lower bound is then its prominence.
-//! - "Greatest prominence of the dataset" is the greatest `prominence_m` among the peaks that have a row.
+//! - "Greatest prominence of the dataset" is the greatest `prominence_m` of the peaks of the pruned tree, with a row or
+//!   without.
 //! - A ridge line is the walk as defined, edge by edge; where two edges share a stretch it goes there and back.
 
 #![allow(dead_code, unreachable_pub, reason = "each test binary has the reference as a module and uses its own part")]
@@ -154,11 +155,13 @@ pub fn survey<K: Key>(grid: &Grid<K>, elevations: &Elevations, metric: &dyn Metr
 
     // Ids over all groups; a group without a row keeps its id, as others may name it.
     let mut groups = tree.groups();
-    groups.sort_by(|p, q| measured[q].order_m.total_cmp(&measured[p].order_m).then(p.cmp(q)));
+    groups.sort_by(|p, q| {
+        measured[q].order_m.partial_cmp(&measured[p].order_m).expect("prominences are numbers").then(p.cmp(q))
+    });
     let ids: BTreeMap<Cell, u32> = groups.iter().enumerate().map(|(i, &peak)| (peak, i as u32 + 1)).collect();
 
     let rows: Vec<Cell> = groups.iter().copied().filter(|&peak| kept(peak)).collect();
-    let greatest_m = rows.iter().map(|p| measured[p].prominence_m).fold(f64::NEG_INFINITY, f64::max);
+    let greatest_m = groups.iter().map(|p| measured[p].prominence_m).fold(f64::NEG_INFINITY, f64::max);
     let highest_m = sweep.peaks.first().map_or(f64::NAN, |&p| elevations.elevation_m(raster.key(p)));
     let peaks = rows
         .iter()
