@@ -1,0 +1,20 @@
+//! Orometry against the slow reference, over thousands of small grids.
+//!
+//! `PROPTEST_CASES` sets how many grids each property looks at.
+
+#![allow(unreachable_pub, reason = "modules of a test binary say what they offer to each other")]
+
+mod agreement;
+mod case;
+mod certificates;
+mod compare;
+mod ground;
+#[path = "../reference/mod.rs"]
+mod reference;
+mod subject;
+
+/// How many grids a property looks at, unless `PROPTEST_CASES` says it.
+fn cases(usual: u32) -> proptest::test_runner::Config {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(usual);
+    proptest::test_runner::Config { cases, max_shrink_iters: 4000, failure_persistence: None, ..Default::default() }
+}
