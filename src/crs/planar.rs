@@ -40,25 +40,24 @@ impl Planar {
         x * x + y * y
     }
 
-    /// The squared distance to the nearest place on the lines of the grid at `step(k)`, `k = 1, 2, ...`, that lie
-    /// `apart_m` from each other: `along` is the vector between two places of a line, `first` leads to its origin.
-    fn lines2(first: (f64, f64), step: (f64, f64), along: (f64, f64), limit2: f64) -> f64 {
+    /// The least distance, below `limit_m`, to a place on one of the lines `first`, `first + step`, ... of the grid:
+    /// rows where `along_rows`, else columns, both counted from the own one.
+    fn lines_m(&self, first: i64, step: i64, along_rows: bool, limit_m: f64) -> f64 {
+        let (across, along) = if along_rows { (self.row_m, self.col_m) } else { (self.col_m, self.row_m) };
         let along2 = along.0 * along.0 + along.1 * along.1;
-        let apart = (step.0 * along.1 - step.1 * along.0).abs() / along2.sqrt();
-        let away = (first.0 * along.1 - first.1 * along.0).abs() / along2.sqrt();
-        let mut best = limit2;
-        let mut k = 0.0;
+        let apart_m = (across.0 * along.1 - across.1 * along.0).abs() / along2.sqrt();
+        let mut best_m = limit_m;
+        let mut line = first;
         // A skewed grid may have its nearest place some lines further out.
-        while (away + k * apart).powi(2) <= best {
-            let origin = (first.0 + k * step.0, first.1 + k * step.1);
-            let t = -(origin.0 * along.0 + origin.1 * along.1) / along2;
-            for n in [t.floor(), t.ceil()] {
-                let (x, y) = (origin.0 + n * along.0, origin.1 + n * along.1);
-                best = best.min(x * x + y * y);
+        while (line.abs() as f64 * apart_m) <= best_m * SLACK {
+            let t = -(line as f64) * (across.0 * along.0 + across.1 * along.1) / along2;
+            for n in [t.floor() as i64, t.ceil() as i64] {
+                let place = if along_rows { (line, n) } else { (n, line) };
+                best_m = best_m.min(self.distance_m((0, 0), place));
             }
-            k += 1.0;
+            line += step;
         }
-        best
+        best_m
     }
 }
 
@@ -104,14 +103,11 @@ impl Metric for Planar {
     }
 
     fn outside_m(&self, p: Place, rows: i64, cols: i64, limit_m: f64) -> Option<f64> {
-        let limit2 = limit_m * limit_m;
-        let minus = |v: (f64, f64)| (-v.0, -v.1);
-        let times = |v: (f64, f64), k: i64| (v.0 * k as f64, v.1 * k as f64);
-        let best = Self::lines2(times(self.row_m, -1 - p.0), minus(self.row_m), self.col_m, limit2);
-        let best = Self::lines2(times(self.row_m, rows - p.0), self.row_m, self.col_m, best);
-        let best = Self::lines2(times(self.col_m, -1 - p.1), minus(self.col_m), self.row_m, best);
-        let best = Self::lines2(times(self.col_m, cols - p.1), self.col_m, self.row_m, best);
-        (best < limit2).then(|| best.sqrt())
+        let best_m = self.lines_m(-1 - p.0, -1, true, limit_m);
+        let best_m = self.lines_m(rows - p.0, 1, true, best_m);
+        let best_m = self.lines_m(-1 - p.1, -1, false, best_m);
+        let best_m = self.lines_m(cols - p.1, 1, false, best_m);
+        (best_m < limit_m).then_some(best_m)
     }
 }
 

@@ -167,6 +167,10 @@ impl<K: Key> DivideForest<K> {
                 // Through the ended component the unknown is reached from here on.
                 self.touches[high as usize] = event.cell;
             }
+            if self.touches[low as usize] == event.cell {
+                // Reached only through the saddle itself, which is no cell of the island.
+                self.touches[low as usize] = NO_CELL;
+            }
             parent[low as usize] = high;
         }
     }

@@ -56,7 +56,9 @@ fn survey_keys<K: Key, M: Metric + ?Sized>(
     let highest = pruned.iter().map(|peak| (peak.key, std::cmp::Reverse(peak.cell))).max().map(|top| top.1.0);
     // A root other than the highest has no prominence but its lower bound.
     peaks.retain(|peak| {
-        !peak.is_root || Some(peak.cell) == highest || peak.prominence_min_m >= options.min_prominence_m
+        let is_other_root = peak.is_root && Some(peak.cell) != highest;
+        let prominence_m = if is_other_root { peak.prominence_min_m } else { peak.prominence_m };
+        prominence_m >= options.min_prominence_m
     });
     peaks.retain(|peak| passes_filters(peak, options));
     peaks.sort_unstable_by_key(|peak| peak.id);
