@@ -8,6 +8,7 @@ mod overlay;
 pub mod peaks;
 mod regions;
 mod spikes;
+mod surveying;
 mod tags;
 
 pub use metric::{AnyMetric, Distance, metric_of};
