@@ -8,6 +8,7 @@ mod overlay;
 pub mod peaks;
 mod regions;
 mod spikes;
+pub mod stats;
 mod surveying;
 mod tags;
 
