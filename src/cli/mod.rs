@@ -5,6 +5,8 @@ mod peaks;
 mod progress;
 mod report;
 mod shared;
+mod stats;
+mod stats_text;
 mod tags;
 
 use crate::error::{Error, Result};
@@ -27,6 +29,7 @@ struct Arguments {
 enum Verb {
     Info(info::Info),
     Peaks(Box<peaks::Peaks>),
+    Stats(Box<stats::Stats>),
 }
 
 /// Runs the program with its arguments, the program's name first; returns the exit code.
@@ -45,6 +48,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
     }
 }
 

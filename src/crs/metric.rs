@@ -23,7 +23,7 @@ pub struct Vector {
 
 /// Distances between cell centres, with the bounds that a search for the nearest cell needs.
 ///
-/// The bounds hold up to [`SLACK`], which leaves room for rounding.
+/// The bounds hold up to a relative slack that leaves room for rounding.
 pub trait Metric: Sync {
     /// The distance in metres that results report.
     fn distance_m(&self, p: Place, q: Place) -> f64;

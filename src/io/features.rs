@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorKind, Result};
 use gdal::errors::GdalError;
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 use gdal::vector::{Geometry as OgrGeometry, LayerAccess, OGRFieldType, OGRwkbGeometryType as Wkb};
-use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
+use gdal::{Dataset, DatasetOptions, GdalOpenFlags, Metadata};
 use geo::{Coord, Geometry, LineString, MultiLineString, MultiPoint, MultiPolygon, Point, Polygon};
 use std::path::Path;
 
@@ -96,6 +96,14 @@ pub fn list_layers(path: impl AsRef<Path>) -> Result<Vec<LayerSummary>> {
             fields: layer.defn().fields().map(|field| field.name()).collect(),
         })
         .collect())
+}
+
+/// An item of a dataset's metadata, where it is there.
+///
+/// # Errors
+/// When the dataset is missing or GDAL cannot open it as vectors.
+pub fn metadata_item(path: impl AsRef<Path>, key: &str) -> Result<Option<String>> {
+    Ok(open(path.as_ref())?.metadata_item(key, ""))
 }
 
 /// Reads one layer with the attributes `fields`, reprojected to `target_wkt` if that is given.

@@ -8,6 +8,8 @@ mod overlay;
 pub mod peaks;
 mod regions;
 mod spikes;
+pub mod stats;
+mod surveying;
 mod tags;
 
 pub use metric::{AnyMetric, Distance, metric_of};

@@ -1,18 +1,14 @@
 //! The job behind `orograph peaks`: from a DEM to the layers of its survey.
 
-use super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput, NAMES, PeakTags, PeaksLayer, SaddlesLayer};
-use super::memory;
-use super::metric::{AnyMetric, Distance, metric_of};
-use super::spikes;
+use super::layers::{DivideTreeLayer, IsolationLayer, LengthOutput, NAMES, PeakTags, PeaksLayer, SaddlesLayer};
+use super::metric::Distance;
+use super::surveying::{Surveyed, Surveying};
 use super::tags::{TagOptions, Tagger};
-use crate::crs::{Crs, CrsKind};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::io::raster::{Dem, RasterOptions, RasterSource};
-use crate::io::transform::OwnGeographic;
 use crate::io::vector::{Table, Writer};
-use crate::orometry::{Survey, SurveyOptions, survey};
+use crate::orometry::{Survey, SurveyOptions};
 use crate::watch::Watch;
-use crate::with_metric;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -73,28 +69,21 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
     let source = RasterSource::open(&job.input, &job.raster)?;
     let writer = Writer::begin(&job.output, &layer_names, job.overwrite)?;
     let outputs = writer.targets();
-    let needed = memory::survey_bytes(source.cells(), source.key_bytes());
-    memory::admit(needed, job.memory.unwrap_or_else(memory::free_bytes)).map_err(|error| error.at_path(&job.input))?;
+    let surveying = Surveying { options: &job.survey, distance: job.distance, memory: job.memory };
+    surveying.admit(&source)?;
     let mut warnings = Vec::new();
     let mut note = |text: String| {
         warn(&text);
         warnings.push(text);
     };
     let tagger = Tagger::read(&job.tags, source.crs.as_ref(), &mut note)?;
+    let surveyed = surveying.run(&source, watch, &mut note)?;
+    let Surveyed { dem, survey: found, .. } = &surveyed;
     let begun = Instant::now();
-    let dem = source.read(watch)?;
-    let read = begun.elapsed();
-    warn_of_input(&dem, job, &mut note);
-    let begun = Instant::now();
-    let at_input = |error: Error| error.at_path(&job.input);
-    let to_geographic = own_geographic(dem.crs.as_ref())?;
-    let metric = metric_of(&dem, job.distance, to_geographic.as_ref()).map_err(at_input)?;
-    let found = with_metric!(&metric, metric => survey(&dem.grid, &dem.elevations, metric, &job.survey, watch))
-        .map_err(at_input)?;
-    warn_of_result(&dem, &metric, &found, job, &mut note);
-    let frame = Frame::new(&dem, to_geographic.as_ref(), job.unit);
+    let frame = surveyed.frame(job.unit);
     let tags = tagger.tag(&found.peaks, &frame, job.distance, &mut note);
-    let measured = begun.elapsed();
+    let [read, surveying] = surveyed.times;
+    let measured = surveying + begun.elapsed();
     let begun = Instant::now();
     let tables: Vec<Box<dyn Table + '_>> = layer_names
         .iter()
@@ -108,7 +97,7 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
         })
         .collect();
     let views: Vec<&dyn Table> = tables.iter().map(AsRef::as_ref).collect();
-    writer.write(&views, dem.crs.as_ref(), &metadata(job, &dem, &source), watch)?;
+    writer.write(&views, dem.crs.as_ref(), &metadata(job, dem, &source), watch)?;
     drop(tables);
     let lon_lat = frame.lon_lat(found.peaks.iter().take(10).map(|peak| peak.cell));
     let points = found.peaks.iter().take(10).map(|peak| frame.point(peak.cell)).collect();
@@ -117,60 +106,12 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
         size: (dem.grid.rows(), dem.grid.cols(), cells),
         points,
         lon_lat,
-        survey: found,
+        times: [read, measured, begun.elapsed()],
+        survey: surveyed.survey,
         tags,
         outputs,
         warnings,
-        times: [read, measured, begun.elapsed()],
     })
-}
-
-/// The transformation to longitudes and latitudes, where coordinates are projected.
-fn own_geographic(crs: Option<&Crs>) -> Result<Option<OwnGeographic>> {
-    crs.filter(|crs| matches!(crs.kind, CrsKind::Projected { .. })).map(OwnGeographic::new).transpose()
-}
-
-fn warn_of_input(dem: &Dem, job: &PeaksJob, note: &mut impl FnMut(String)) {
-    for text in &dem.notes {
-        note(text.clone());
-    }
-    if let Some(sentinel) = &dem.sentinel {
-        note(format!(
-            "{} cells have the value {}, far from all others and not declared as nodata; if it means nodata, give --nodata {}",
-            sentinel.cells, sentinel.value, sentinel.value
-        ));
-    }
-    let stretches = dem.crs.as_ref().and_then(|crs| crs.projection.as_deref()).is_some_and(|projection| {
-        let plain = projection.to_ascii_lowercase();
-        plain.contains("mercator") && !plain.contains("transverse") && !plain.contains("oblique")
-            || plain.contains("pseudo")
-            || plain.contains("equirectangular")
-    });
-    if stretches && job.distance == Distance::Crs {
-        note(
-            "the projection stretches distances much away from its true scale; measure them with --distance geodesic"
-                .into(),
-        );
-    }
-}
-
-fn warn_of_result(dem: &Dem, metric: &AnyMetric<'_>, found: &Survey, job: &PeaksJob, note: &mut impl FnMut(String)) {
-    let spikes = spikes::find(dem, metric, &found.peaks);
-    if let Some(first) = spikes.first() {
-        let others = if spikes.len() > 1 { format!(" (and {} more)", spikes.len() - 1) } else { String::new() };
-        note(format!(
-            "the cell at row {}, column {}{others} stands {:.0} m above all its neighbours, which looks like a fault of the data; \
-             if its value {} means nodata, give --nodata, else mend the DEM: nothing is removed here",
-            first.row, first.col, first.drop_m, first.elevation_m
-        ));
-    }
-    let certain = found.peaks.iter().filter(|peak| peak.prominence_certain).count();
-    if found.peaks.len() >= 10 && certain * 2 < found.peaks.len() && !job.survey.certain_only {
-        note(format!(
-            "only {certain} of {} prominences are certain: terrain beyond the edge or in voids could lower the others down to prominence_min",
-            found.peaks.len()
-        ));
-    }
 }
 
 /// What the output says of its origin: nothing that differs from run to run.

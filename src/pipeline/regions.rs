@@ -3,11 +3,14 @@
 use super::tags::{TagLayer, text_of};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
+use crate::grid::GeoTransform;
 use crate::io::features::Layer;
+use crate::orometry::distributions::CellSet;
 use geo::{BoundingRect, Geometry, Intersects, MultiPolygon, Point};
 use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::{GeomWithData, Rectangle};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Named polygons in the CRS of a DEM.
@@ -92,8 +95,8 @@ impl Regions {
 
     /// The polygons that hold a place, by feature id; of longitudes it does not matter where they are counted from.
     fn around(&self, (x, y): (f64, f64)) -> Vec<usize> {
-        let turns = self.turn.map_or(vec![0.0], |turn| vec![0.0, -turn, turn]);
-        let mut found: Vec<usize> = turns
+        let mut found: Vec<usize> = self
+            .turns()
             .into_iter()
             .flat_map(|turn| {
                 let point = Point::new(x + turn, y);
@@ -106,6 +109,57 @@ impl Regions {
         found.sort_unstable();
         found.dedup();
         found
+    }
+
+    /// The names of the regions, those of lower feature ids first.
+    pub fn names(&self) -> Vec<&str> {
+        let mut seen = HashSet::new();
+        self.shapes.iter().map(|shape| shape.name.as_str()).filter(|name| seen.insert(*name)).collect()
+    }
+
+    /// The cells of each region on a grid of so many rows and columns, in the order of [`Regions::names`].
+    ///
+    /// A cell belongs to the same region as a peak in it would, but that on an outline it is only one side's.
+    pub fn cells(&self, transform: &GeoTransform, (rows, cols): (usize, usize)) -> Vec<(String, CellSet)> {
+        let none = || CellSet::from_rows(rows, cols, |_, _| ());
+        let mut regions: Vec<(String, CellSet)> =
+            self.names().into_iter().map(|name| (name.to_string(), none())).collect();
+        let places: HashMap<String, usize> =
+            regions.iter().enumerate().map(|(i, (name, _))| (name.clone(), i)).collect();
+        let mut taken = none();
+        for shape in &self.shapes {
+            let mut cells = CellSet::polygon(&self.rings(shape, transform, (rows, cols)), transform, rows, cols);
+            cells.take_away(&taken);
+            taken.join(&cells);
+            regions[places[&shape.name]].1.join(&cells);
+        }
+        regions
+    }
+
+    /// The rings of a shape wherever it touches a grid: longitudes may be counted from elsewhere there.
+    fn rings(&self, shape: &Shape, transform: &GeoTransform, (rows, cols): (usize, usize)) -> Vec<Vec<(f64, f64)>> {
+        let corner = |row: usize, col: usize| transform.centre(row as f64 - 0.5, col as f64 - 0.5).0;
+        let corners = [corner(0, 0), corner(0, cols), corner(rows, 0), corner(rows, cols)];
+        let (west, east) =
+            corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+        let Some(bounds) = shape.parts.bounding_rect() else { return vec![] };
+        let mut rings = vec![];
+        for turn in self.turns() {
+            if bounds.max().x + turn < west || bounds.min().x + turn > east {
+                continue;
+            }
+            for polygon in &shape.parts.0 {
+                for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
+                    rings.push(ring.0.iter().map(|c| (c.x + turn, c.y)).collect());
+                }
+            }
+        }
+        rings
+    }
+
+    /// What may be added to coordinates without moving the place.
+    fn turns(&self) -> Vec<f64> {
+        self.turn.map_or(vec![0.0], |turn| vec![0.0, -turn, turn])
     }
 
     /// The region of each place, where it stands in one; `called` is what a warning calls a place.
@@ -132,7 +186,7 @@ impl Regions {
         }
         if !points.is_empty() && found.iter().all(Vec::is_empty) {
             note(format!(
-                "{}: no peak stands in any of the {} regions; check that they lie where the DEM does",
+                "{}: no peak stands in any of the {} regions; check where they lie, and in which CRS",
                 self.path.display(),
                 self.shapes.len()
             ));
@@ -228,6 +282,30 @@ mod tests {
         assert_eq!(found[3], None);
         let (gon, _) = super::tests::regions(vec![(1, "Andes", Some(square(-80.0, -40.0, 10.0)))], Some(0.9));
         assert_eq!(tagged(&gon, &[(325.0, -35.0)]).0, [Some("Andes".into())], "400 gon are a turn");
+    }
+
+    #[test]
+    fn cells_belong_to_one_region() {
+        let features = vec![
+            (8, "late", Some(square(-75.0, -40.0, 6.0))),
+            (2, "early", Some(square(-72.0, -40.0, 6.0))),
+            (9, "late", Some(square(-60.0, -40.0, 1.0))),
+            (10, "elsewhere", Some(square(10.0, 10.0, 1.0))),
+        ];
+        let (regions, _) = regions(features, Some(1.0));
+        let transform = GeoTransform([280.0, 1.0, 0.0, -30.0, 0.0, -1.0]);
+        let cells = regions.cells(&transform, (12, 40));
+        let counts: Vec<_> = cells.iter().map(|(name, cells)| (name.as_str(), cells.count())).collect();
+        assert_eq!(counts, [("early", 36), ("late", 18 + 1), ("elsewhere", 0)]);
+        assert_eq!(cells[1].1.runs(9).iter().map(|run| (run.start, run.end)).collect::<Vec<_>>(), [(5, 8), (20, 21)]);
+        for (name, cells) in &cells {
+            for row in 0..12 {
+                for col in cells.runs(row).iter().cloned().flatten() {
+                    let found = tagged(&regions, &[transform.centre(row as f64, col as f64)]).0;
+                    assert_eq!(found[0].as_ref(), Some(name));
+                }
+            }
+        }
     }
 
     #[test]

@@ -46,14 +46,14 @@ impl TagLayer {
         let layer = read_layer(&self.path, self.layer.as_deref(), &[&self.field], target)?;
         if target.is_none() && layer.crs_wkt.is_some() {
             note(format!(
-                "{}: the layer has a CRS and the DEM has none on Earth: coordinates are taken as they are (assign one with --crs)",
+                "{}: the layer has a CRS and what it tags has none on Earth: coordinates are taken as they are (assign one with --crs)",
                 self.path.display()
             ));
         }
         if layer.unplaced > 0 {
             let features = if layer.unplaced == 1 { "feature has" } else { "features have" };
             note(format!(
-                "{}: {} {features} no place in the CRS of the DEM and tag nothing",
+                "{}: {} {features} no place in the CRS of what they tag, and are left out",
                 self.path.display(),
                 layer.unplaced
             ));

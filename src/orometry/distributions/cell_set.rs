@@ -137,6 +137,49 @@ impl CellSet {
         Self { cols, runs }
     }
 
+    /// Adds the cells of another set of the same grid.
+    ///
+    /// # Panics
+    /// When the grids differ in size.
+    pub fn join(&mut self, other: &Self) {
+        assert_eq!((self.rows(), self.cols), (other.rows(), other.cols), "sets of cells of one grid");
+        for (mine, theirs) in self.runs.iter_mut().zip(&other.runs).filter(|(_, theirs)| !theirs.is_empty()) {
+            mine.extend_from_slice(theirs);
+            mine.sort_unstable_by_key(|run| run.start);
+            mine.dedup_by(|next, last| {
+                let touches = next.start <= last.end;
+                if touches {
+                    last.end = last.end.max(next.end);
+                }
+                touches
+            });
+        }
+    }
+
+    /// Takes away the cells of another set of the same grid.
+    ///
+    /// # Panics
+    /// When the grids differ in size.
+    pub fn take_away(&mut self, other: &Self) {
+        assert_eq!((self.rows(), self.cols), (other.rows(), other.cols), "sets of cells of one grid");
+        for (mine, theirs) in self.runs.iter_mut().zip(&other.runs).filter(|(_, theirs)| !theirs.is_empty()) {
+            let mut left = Vec::with_capacity(mine.len());
+            for run in mine.iter() {
+                let mut start = run.start;
+                for hole in theirs.iter().filter(|hole| hole.end > run.start && hole.start < run.end) {
+                    if hole.start > start {
+                        left.push(start..hole.start);
+                    }
+                    start = hole.end;
+                }
+                if start < run.end {
+                    left.push(start..run.end);
+                }
+            }
+            *mine = left;
+        }
+    }
+
     /// Number of rows of the grid.
     pub fn rows(&self) -> usize {
         self.runs.len()
@@ -227,6 +270,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn sets_join_and_part_as_cells_do(
+            a in prop::collection::vec(any::<bool>(), 24), b in prop::collection::vec(any::<bool>(), 24),
+        ) {
+            let set = |cells: &[bool]| CellSet::from_rows(2, 12, |row, inside| inside.copy_from_slice(&cells[row * 12..][..12]));
+            let by_cell = |of: fn(bool, bool) -> bool| a.iter().zip(&b).map(|(a, b)| of(*a, *b)).collect::<Vec<_>>();
+            let (mut joined, mut parted) = (set(&a), set(&a));
+            joined.join(&set(&b));
+            parted.take_away(&set(&b));
+            prop_assert_eq!(joined, set(&by_cell(|a, b| a || b)));
+            prop_assert_eq!(parted, set(&by_cell(|a, b| a && !b)));
+        }
+
         #[test]
         fn scan_lines_agree_with_asking_every_cell(
             points in prop::collection::vec((-3.0..15.0_f64, -3.0..12.0_f64), 3..9), shear in -0.5..0.5_f64,

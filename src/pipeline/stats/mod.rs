@@ -1,0 +1,9 @@
+//! The job behind `orograph stats`: from DEMs, layers of peaks and statistics files to statistics and charts.
+
+mod dem;
+mod input;
+mod job;
+mod layer;
+mod output;
+
+pub use job::{DiskWords, DomainComparison, StatsJob, StatsReport, run};
