@@ -31,7 +31,7 @@ pub trait Metric: Sync {
     /// Distance and azimuth at `p`.
     fn vector(&self, p: Place, q: Place) -> Vector;
 
-    /// A cheap lower bound of the squared distance: at most `distance_m² * SLACK`, and nearly equal when it is small.
+    /// A cheap lower bound of the squared distance: at most the squared distance with that slack, and nearly equal when it is small.
     fn near2(&self, p: Place, q: Place) -> f64;
 
     /// A lower bound of [`Metric::near2`] between `p` and every cell of a block.

@@ -169,7 +169,8 @@ impl Elevations {
     /// Height of one key above another in metres, from the exact difference of the stored values.
     #[inline]
     pub fn height_m(&self, above: i64, below: i64) -> f64 {
-        (self.value(above) - self.value(below)) * self.scale * self.unit.metres
+        // A negative scale makes -0.0 of no difference; adding 0.0 makes that 0.0, which sorts among the others.
+        (self.value(above) - self.value(below)) * self.scale * self.unit.metres + 0.0
     }
 }
 

@@ -67,7 +67,12 @@ pub(super) fn prune<K: Key>(
                 cell: forest.cells[number as usize],
                 key,
                 prominence_m,
-                prominence_min_m: if certain { prominence_m } else { prominence(key, key_of(touch)) },
+                prominence_min_m: match touch {
+                    _ if certain => prominence_m,
+                    // Beside the unknown; also where a base level lies above the peak.
+                    touch if touch == forest.cells[number as usize] => 0.0,
+                    touch => prominence(key, key_of(touch)),
+                },
                 certain,
                 edge: (!is_root).then_some(PrunedEdge { join: *join, near: 0, far: 0 }),
                 island_parent: None,

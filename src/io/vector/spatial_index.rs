@@ -243,7 +243,7 @@ mod tests {
     fn every_row_is_in_one_leaf_and_inside_all_bounds_above() {
         for n in [0_usize, 1, 50, 51, 52, 700, 3000] {
             let point = |i: usize| ((i * 7919 % 1009) as f64 / 3.0, (i * 104_729 % 997) as f64 / 7.0);
-            let bounds: Vec<Bounds> = (0..n).map(|i| point(i)).map(|(x, y)| [x, x, y, y]).collect();
+            let bounds: Vec<Bounds> = (0..n).map(point).map(|(x, y)| [x, x, y, y]).collect();
             let tree = Packed::new(&bounds, 51);
             let rows = tree.rows();
             assert!(rows.iter().map(|r| r.0).eq(1..=n as i64), "{n}: every row once");
