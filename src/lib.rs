@@ -1,9 +1,35 @@
 //! Orograph reads georeferenced elevation models and measures their orometry: peaks, key saddles, prominence,
 //! isolation and divide trees.
+//!
+//! # The house
+//!
+//! A room uses only the rooms below it and itself; a test (`tests/layers.rs`) checks that.
+//!
+//! ```text
+//! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
+//! 5  pipeline                jobs from files to files: memory, layers, tags
+//! 4  figures                 what the methods measured, as charts
+//! 3  orometry      plot      the methods; pictures that know no methods
+//! 2  io                      files through GDAL
+//! 1  grid          crs       rasters in memory; where they lie on Earth
+//! 0  error  units  watch     what everybody needs
+//! ```
+//!
+//! # Follow a DEM through
+//!
+//! `io::raster` opens a file ([`io::raster::RasterSource`]) and reads it into a [`grid::AnyGrid`] of keys: integers
+//! that sort as the elevations do, whatever the file's type. [`orometry::survey`] finds basins and passes tile by
+//! tile, joins them to the divide tree of the whole, prunes it and measures each peak with a [`crs::Metric`].
+//! `pipeline::layers` turns the result into rows, and `io::vector` writes them.
 
+pub mod cli;
 pub mod crs;
 pub mod error;
+pub mod figures;
 pub mod grid;
+pub mod io;
 pub mod orometry;
+pub mod pipeline;
+pub mod plot;
 pub mod units;
 pub mod watch;

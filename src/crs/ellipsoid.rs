@@ -44,17 +44,21 @@ impl Ellipsoid {
         [x * cos, x * sin, z]
     }
 
-    /// An upper bound of the squared geodesic distance between points whose squared chord is known; infinite from
-    /// chords as long as the least radius of curvature on.
+    /// An upper bound of the squared geodesic distance between points whose squared chord is known.
     ///
     /// A geodesic bends at most as a circle of the least radius of curvature r does; Schur's comparison theorem then
     /// bounds it by that circle's arc over the same chord, `2 r asin(c / 2 r) = c (1 + c²/24r² + 3c⁴/640r⁴ + ...)`,
-    /// whose square stays below `c² (1 + c²/10r²)` up to `c = r`.
+    /// whose square stays below `c² (1 + c²/10r²)` up to `c = r`. Longer chords get the bound of the antipodes, half
+    /// of a great circle over its diameter, with room for the flattening.
     #[inline]
     pub(super) fn reach2(&self, chord2: f64) -> f64 {
         let radius_m = self.b_m() * self.b_m() / self.a_m;
         let ratio = chord2 / (radius_m * radius_m);
-        if ratio < 1.0 { chord2 * (1.0 + ratio / 10.0) * SLACK + 1e-9 } else { f64::INFINITY }
+        if ratio < 1.0 {
+            return chord2 * (1.0 + ratio / 10.0) * SLACK + 1e-9;
+        }
+        let stretch = std::f64::consts::FRAC_PI_2 * (self.a_m / self.b_m()).powi(2);
+        chord2 * stretch * stretch * SLACK
     }
 
     /// Area in square metres of one degree of longitude from the equator up to a latitude (negative southwards).

@@ -12,7 +12,7 @@ mod planar;
 mod surface;
 
 pub use definition::{Crs, CrsKind};
-pub use ellipsoid::Ellipsoid;
+pub use ellipsoid::{Ellipsoid, Geodesics};
 pub use geodesic::Geodesic;
 pub use metric::{Block, Metric, Place, Vector};
 pub use planar::Planar;

@@ -13,6 +13,12 @@ pub trait Key: Copy + Ord + Hash + Debug + Default + Send + Sync + 'static {
     fn falling(self, order: u32) -> Self::Rank;
     /// The `order` of a rank.
     fn order_of(rank: Self::Rank) -> u32;
+    /// An integer in which a key and a small number stand together.
+    type Numbered: Copy + Ord;
+    /// The key with a number from 0 to 7 that decides between equal keys.
+    fn numbered(self, number: u8) -> Self::Numbered;
+    /// The number of a numbered key.
+    fn number_of(numbered: Self::Numbered) -> u8;
     /// The key as a 64-bit integer, order kept.
     fn to_i64(self) -> i64;
     /// The inverse of [`Key::to_i64`] for values that came from it.
@@ -20,7 +26,7 @@ pub trait Key: Copy + Ord + Hash + Debug + Default + Send + Sync + 'static {
 }
 
 macro_rules! key {
-    ($($t:ty => $rank:ty),*) => {$(
+    ($($t:ty => $rank:ty, $numbered:ty);*) => {$(
         impl Key for $t {
             const VOID: Self = <$t>::MIN;
             type Rank = $rank;
@@ -34,6 +40,16 @@ macro_rules! key {
             fn order_of(rank: $rank) -> u32 {
                 rank as u32
             }
+            type Numbered = $numbered;
+            #[inline]
+            fn numbered(self, number: u8) -> $numbered {
+                <$numbered>::from(self) << 3 | <$numbered>::from(number)
+            }
+            #[inline]
+            #[allow(clippy::cast_possible_truncation, reason = "the low 3 bits are the number")]
+            fn number_of(numbered: $numbered) -> u8 {
+                numbered as u8 & 7
+            }
             #[inline]
             fn to_i64(self) -> i64 {
                 i64::from(self)
@@ -46,7 +62,7 @@ macro_rules! key {
         }
     )*};
 }
-key!(i16 => u64, i32 => u64, i64 => u128);
+key!(i16 => u64, i32; i32 => u64, i64; i64 => u128, i128);
 
 #[cfg(test)]
 mod tests {

@@ -12,8 +12,9 @@ mod georeference;
 mod key;
 pub mod neighbours;
 mod raster;
+pub mod ring;
 
-pub use elevations::{Elevations, SampleType};
+pub use elevations::{Elevations, Sample, SampleType};
 pub use georeference::GeoTransform;
 pub use key::Key;
 pub use raster::{AnyGrid, Cell, Grid};

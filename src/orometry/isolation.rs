@@ -7,8 +7,10 @@
 
 use super::pyramid::{BASE, FAN, Level, Pyramid};
 use super::survey::Isolation;
-use crate::crs::{Block, Metric, Place};
+use crate::crs::{Block, Metric, Place, Vector};
 use crate::grid::{Cell, Grid, Key};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Searches of one raster.
 pub(super) struct Isolations<'a, K, M: ?Sized> {
@@ -58,7 +60,8 @@ pub(super) struct Search {
     nearest2: f64,
     /// Hits that were within the limit when they were met, with their `near2`.
     hits: Vec<(f64, Cell)>,
-    stack: Vec<(f64, u32, u32)>,
+    /// Blocks to look into, the nearest first: the bits of a bound (which sort as it does), level, number.
+    blocks: BinaryHeap<Reverse<(u64, u32, u32)>>,
 }
 
 impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
@@ -72,11 +75,12 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         let p = (row as i64, col as i64);
         let higher = self.nearest(p, &Higher(self.grid.key(cell)), f64::INFINITY, search);
         let mut unknown_m = None;
-        let mut limit_m = higher.map_or(f64::INFINITY, |(distance_m, _)| distance_m);
+        let mut limit_m = higher.map_or(f64::INFINITY, |(vector, _)| vector.distance_m);
         if self.pyramid.has_voids() && !self.nodata_is_sea {
-            if let Some((void_m, _)) = self.nearest(p, &Void, limit_m, search).filter(|&(void_m, _)| void_m < limit_m) {
-                unknown_m = Some(void_m);
-                limit_m = void_m;
+            let void = self.nearest(p, &Void, limit_m, search).filter(|(vector, _)| vector.distance_m < limit_m);
+            if let Some((vector, _)) = void {
+                unknown_m = Some(vector.distance_m);
+                limit_m = vector.distance_m;
             }
         }
         let (rows, cols) = (self.grid.rows() as i64, self.grid.cols() as i64);
@@ -84,16 +88,13 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
             unknown_m = Some(outside_m);
         }
         match higher {
-            Some((distance_m, higher)) => {
-                let (hrow, hcol) = self.grid.place(higher);
-                Isolation {
-                    isolation_m: Some(distance_m),
-                    isolation_min_m: Some(unknown_m.unwrap_or(distance_m)),
-                    certain: unknown_m.is_none(),
-                    azimuth: self.metric.vector(p, (hrow as i64, hcol as i64)).azimuth,
-                    higher: Some(higher),
-                }
-            }
+            Some((vector, higher)) => Isolation {
+                isolation_m: Some(vector.distance_m),
+                isolation_min_m: Some(unknown_m.unwrap_or(vector.distance_m)),
+                certain: unknown_m.is_none(),
+                azimuth: vector.azimuth,
+                higher: Some(higher),
+            },
             None => Isolation {
                 isolation_m: None,
                 isolation_min_m: unknown_m,
@@ -104,12 +105,12 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         }
     }
 
-    /// Distance and index of the nearest hit that is no further than `limit_m`; ties go to the lowest index.
-    fn nearest(&self, p: Place, target: &impl Target<K>, limit_m: f64, search: &mut Search) -> Option<(f64, Cell)> {
+    /// The nearest hit that is no further than `limit_m`, with the way there; ties go to the lowest index.
+    fn nearest(&self, p: Place, target: &impl Target<K>, limit_m: f64, search: &mut Search) -> Option<(Vector, Cell)> {
         search.limit2 = self.metric.reach2(limit_m * limit_m);
         search.nearest2 = f64::INFINITY;
         search.hits.clear();
-        search.stack.clear();
+        search.blocks.clear();
         let done = self.look_around(p, target, search);
         if !done {
             self.descend(p, target, search);
@@ -117,22 +118,22 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         let limit2 = search.limit2;
         search.hits.retain(|hit| hit.0 <= limit2);
         search.hits.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut best: Option<(f64, Cell)> = None;
+        let mut best: Option<(Vector, Cell)> = None;
         for &(near2, cell) in &search.hits {
-            if best.is_some_and(|(least_m, _)| near2 > least_m * least_m * (1.0 + 1e-7)) {
+            if best.is_some_and(|(least, _)| near2 > least.distance_m * least.distance_m * (1.0 + 1e-7)) {
                 break;
             }
             let (row, col) = self.grid.place(cell);
-            let distance_m = self.metric.distance_m(p, (row as i64, col as i64));
-            if best.is_none_or(|(least_m, index)| (distance_m, cell) < (least_m, index)) {
-                best = Some((distance_m, cell));
+            let vector = self.metric.vector(p, (row as i64, col as i64));
+            if best.is_none_or(|(least, index)| (vector.distance_m, cell) < (least.distance_m, index)) {
+                best = Some((vector, cell));
             }
         }
         best
     }
 
-    /// Looks into the blocks next to the place, then puts on the stack the blocks, as small as can be, that together
-    /// hold all that is within the limit. Returns whether the first look was enough.
+    /// Looks into the blocks next to the place, then lines up the blocks, as small as can be, that together hold
+    /// all that is within the limit. Returns whether the first look was enough.
     fn look_around(&self, p: Place, target: &impl Target<K>, search: &mut Search) -> bool {
         for (l, level) in self.pyramid.levels.iter().enumerate() {
             let side = level.side as i64;
@@ -161,7 +162,6 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                         self.push(p, l, r, c, target, search);
                     }
                 }
-                search.stack.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
                 return false;
             }
         }
@@ -172,7 +172,6 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                 self.push(p, top, r, c, target, search);
             }
         }
-        search.stack.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         false
     }
 
@@ -206,16 +205,17 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
         if target.may_hold(level, index) {
             let bound2 = self.metric.block2(p, &self.block(level, r, c));
             if bound2 <= search.limit2 {
-                search.stack.push((bound2, l as u32, index as u32));
+                search.blocks.push(Reverse((bound2.to_bits(), l as u32, index as u32)));
             }
         }
     }
 
     fn descend(&self, p: Place, target: &impl Target<K>, search: &mut Search) {
         let (own_row, own_col) = (p.0 as usize / BASE, p.1 as usize / BASE);
-        while let Some((bound2, l, index)) = search.stack.pop() {
-            if bound2 > search.limit2 {
-                continue;
+        while let Some(Reverse((bits, l, index))) = search.blocks.pop() {
+            if f64::from_bits(bits) > search.limit2 {
+                // All others are at least as far.
+                break;
             }
             let level = &self.pyramid.levels[l as usize];
             let (r, c) = (index as usize / level.cols, index as usize % level.cols);
@@ -227,14 +227,11 @@ impl<'a, K: Key, M: Metric + ?Sized> Isolations<'a, K, M> {
                 continue;
             }
             let fine = &self.pyramid.levels[l as usize - 1];
-            let from = search.stack.len();
             for r in r * FAN..((r + 1) * FAN).min(fine.rows) {
                 for c in c * FAN..((c + 1) * FAN).min(fine.cols) {
                     self.push(p, l as usize - 1, r, c, target, search);
                 }
             }
-            // The nearest is looked into first.
-            search.stack[from..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         }
     }
 

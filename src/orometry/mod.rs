@@ -1,5 +1,7 @@
 //! Orometry: peaks, key saddles, prominence, isolation and divide trees, exactly as the definitions have them.
 
+mod above;
+pub mod distributions;
 mod divide;
 mod forest;
 mod isolation;

@@ -136,7 +136,7 @@ fn find_parents<K: Key>(peaks: &mut [PrunedPeak<K>]) {
         }
         let line_parent = at;
         // The prominence of the component's top is not known yet, if that is a root: it is looked at last.
-        while at != island_parent && !(peaks[at as usize].prominence_m > this.prominence_m) {
+        while at != island_parent && peaks[at as usize].prominence_m <= this.prominence_m {
             at = upwards[at as usize];
         }
         let peak = &mut peaks[ended as usize];

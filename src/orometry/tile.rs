@@ -9,7 +9,9 @@
 //!    tile, a **portal**; ways that meet are followed once;
 //! 4. each saddle gives the passes from the basin of its topmost piece to those of the others.
 
-use crate::grid::neighbours::{BITS, OFFSETS, PIECES, RING, is_above};
+use super::above::mark_row;
+use crate::grid::neighbours::{is_above, topmost_around};
+use crate::grid::ring::{RING, is_in_pieces, pieces};
 use crate::grid::{Cell, Grid, Key};
 
 /// Where a cell's way up leads, as seen from one tile: the first nodes are the tile's peaks, the others its portals.
@@ -114,6 +116,7 @@ pub(super) struct Scanner<'a, K> {
     /// Width of a row of `keys` and `labels`.
     stride: usize,
     masks: Vec<u8>,
+    marks: Vec<u8>,
     /// Node + 1 of the cells whose way up is known, else 0; [`RIM`] for those outside of the tile.
     labels: Vec<u32>,
     way: Vec<usize>,
@@ -130,6 +133,7 @@ impl<'a, K: Key> Scanner<'a, K> {
             keys: Vec::new(),
             stride: 0,
             masks: Vec::new(),
+            marks: Vec::new(),
             labels: Vec::new(),
             way: Vec::new(),
             saddles: Vec::new(),
@@ -190,26 +194,44 @@ impl<'a, K: Key> Scanner<'a, K> {
         self.labels[last..].fill(RIM);
     }
 
-    /// The mask of the neighbours above, for each cell of the tile.
+    /// The mask of the neighbours above, for each cell of the tile, and the marks of those that matter.
     fn find_above(&mut self) {
         let (tile, stride) = (self.tile, self.stride);
-        self.masks.clear();
-        self.masks.resize(tile.rows * tile.cols, 0);
-        for (row, masks) in self.masks.chunks_exact_mut(tile.cols).enumerate() {
-            let lines: [&[K]; 3] = std::array::from_fn(|i| &self.keys[(row + i) * stride..(row + i + 1) * stride]);
-            masks_of_row(lines, masks);
+        for buffer in [&mut self.masks, &mut self.marks] {
+            buffer.clear();
+            buffer.resize(tile.rows * tile.cols, 0);
         }
-        // Across the seam the western neighbour has the greater index and the eastern one the lower.
-        if self.grid.wraps() {
-            let last = tile.cols - 1;
+        let lines = self.masks.chunks_exact_mut(tile.cols).zip(self.marks.chunks_exact_mut(tile.cols));
+        for (row, (masks, marks)) in lines.enumerate() {
+            let line = |i: usize| &self.keys[(row + i) * stride..(row + i + 1) * stride];
+            mark_row(line(0), line(1), line(2), masks, marks);
+        }
+        for col in self.seam_cols() {
             for row in 0..tile.rows {
-                for (at_seam, col) in [(tile.col == 0, 0), (tile.col + tile.cols == self.grid.cols(), last)] {
-                    if at_seam {
-                        self.masks[row * tile.cols + col] = self.mask_by_index(row, col);
-                    }
-                }
+                let mask = self.mask_by_index(row, col);
+                self.masks[row * tile.cols + col] = mask;
+                self.marks[row * tile.cols + col] = u8::from(mask == 0) | u8::from(is_in_pieces(mask));
             }
         }
+    }
+
+    /// Columns of the tile along the seam of a wrapping grid: across it the western neighbour has the greater index
+    /// and the eastern one the lower.
+    fn seam_cols(&self) -> impl Iterator<Item = usize> + use<K> {
+        let Tile { col, cols, .. } = self.tile;
+        let wraps = self.grid.wraps();
+        let first = (wraps && col == 0).then_some(0);
+        let last = (wraps && col + cols == self.grid.cols()).then_some(cols - 1);
+        first.into_iter().chain(last)
+    }
+
+    #[inline]
+    fn is_at_seam(&self, at: usize) -> bool {
+        if !self.grid.wraps() {
+            return false;
+        }
+        let col = self.tile.col + at % self.stride - 1;
+        col == 0 || col + 1 == self.grid.cols()
     }
 
     #[cold]
@@ -219,10 +241,13 @@ impl<'a, K: Key> Scanner<'a, K> {
         if here.0 == K::VOID {
             return u8::MAX;
         }
-        self.grid
-            .neighbours(cell)
-            .filter(|&(_, n)| is_above((self.grid.key(n), n), here))
-            .fold(0, |mask, (i, _)| mask | BITS[i])
+        let (row, col) = self.grid.place(cell);
+        let is_set = |offset| {
+            self.grid
+                .step(row, col, offset)
+                .is_some_and(|n| !self.grid.is_void(n) && is_above((self.grid.key(n), n), here))
+        };
+        RING.iter().zip(0..).filter(|(offset, _)| is_set(**offset)).fold(0, |mask, (_, i)| mask | 1 << i)
     }
 
     #[inline]
@@ -234,18 +259,24 @@ impl<'a, K: Key> Scanner<'a, K> {
         let tile = self.tile;
         self.saddles.clear();
         for row in 0..tile.rows {
-            for col in 0..tile.cols {
-                let mask = self.masks[row * tile.cols + col];
-                if PIECES[mask as usize] == 1 {
-                    continue;
-                }
-                let at = (row + 1) * self.stride + col + 1;
-                if mask == 0 {
-                    self.scan.cells.push(self.cell(row, col));
-                    self.scan.keys.push(self.keys[at]);
-                    self.labels[at] = self.scan.cells.len() as u32;
-                } else {
-                    self.saddles.push(at as u32);
+            let from = row * tile.cols;
+            let marks = &self.marks[from..from + tile.cols];
+            for (i, eight) in marks.chunks(8).enumerate() {
+                // Most cells are neither peak nor saddle: eight at a time are passed over.
+                let mut word = [0; 8];
+                word[..eight.len()].copy_from_slice(eight);
+                let mut word = u64::from_le_bytes(word);
+                while word != 0 {
+                    let col = i * 8 + word.trailing_zeros() as usize / 8;
+                    word &= word - 1;
+                    let at = (row + 1) * self.stride + col + 1;
+                    if self.masks[from + col] == 0 {
+                        self.scan.cells.push(self.grid.cell(tile.row + row, tile.col + col));
+                        self.scan.keys.push(self.keys[at]);
+                        self.labels[at] = self.scan.cells.len() as u32;
+                    } else {
+                        self.saddles.push(at as u32);
+                    }
                 }
             }
         }
@@ -255,38 +286,21 @@ impl<'a, K: Key> Scanner<'a, K> {
     /// Position in the rimmed copy of the topmost neighbour of a cell that is no peak.
     #[inline]
     fn uphill(&self, at: usize) -> usize {
-        if self.grid.wraps() {
-            let (row, col) = (at / self.stride - 1, at % self.stride - 1);
-            let global_col = self.tile.col + col;
-            if global_col == 0 || global_col + 1 == self.grid.cols() {
-                return self.uphill_by_index(row, col);
-            }
+        if self.is_at_seam(at) {
+            return self.uphill_by_index(at);
         }
-        let keys = &self.keys;
-        let mut top = at - self.stride - 1;
-        for next in [
-            at - self.stride,
-            at - self.stride + 1,
-            at - 1,
-            at + 1,
-            at + self.stride - 1,
-            at + self.stride,
-            at + self.stride + 1,
-        ] {
-            if keys[next] > keys[top] {
-                top = next;
-            }
-        }
-        top
+        topmost_around(&self.keys, at, self.stride)
     }
 
     #[cold]
-    fn uphill_by_index(&self, row: usize, col: usize) -> usize {
-        let cell = self.cell(row, col);
-        let top = self.grid.uphill(cell).expect("only cells below another are asked");
-        let (i, _) = self.grid.neighbours(cell).find(|&(_, n)| n == top).expect("the topmost neighbour is a neighbour");
-        let (dr, dc) = OFFSETS[i];
-        ((row + 1).wrapping_add_signed(dr)) * self.stride + (col + 1).wrapping_add_signed(dc)
+    fn uphill_by_index(&self, at: usize) -> usize {
+        let (row, col) = self.grid.place(self.index(at));
+        let top = self.grid.uphill(self.index(at)).expect("only cells below another are asked");
+        let (dr, dc) = RING
+            .into_iter()
+            .find(|&offset| self.grid.step(row, col, offset) == Some(top))
+            .expect("the topmost neighbour is a neighbour");
+        at.wrapping_add_signed(dr * self.stride as isize + dc)
     }
 
     /// The node that the way up from a cell of the rimmed copy leads to.
@@ -340,25 +354,29 @@ impl<'a, K: Key> Scanner<'a, K> {
         }
     }
 
-    /// Key, index and position of the topmost cell of each piece of a mask, and how many pieces there are.
+    /// Key, place in the order of indices, and position of the topmost cell of each piece of a mask, and how many
+    /// pieces there are.
     #[inline]
     fn tops_of_pieces(&self, mask: u8, at: usize) -> ([(K, Cell, usize); 4], usize) {
-        let pieces = &PIECES_OF[mask as usize];
-        let count = PIECES[mask as usize] as usize;
+        let at_seam = self.is_at_seam(at);
         let mut tops = [(K::VOID, Cell::MAX, 0); 4];
-        for (piece, top) in pieces.iter().zip(&mut tops).take(count) {
-            let mut rest = *piece;
+        let mut count = 0;
+        for piece in pieces(mask) {
+            if piece == 0 {
+                break;
+            }
+            let top = &mut tops[count];
+            count += 1;
+            let mut rest = piece;
             while rest != 0 {
-                let i = rest.trailing_zeros() as usize;
+                let (dr, dc) = RING[rest.trailing_zeros() as usize];
                 rest &= rest - 1;
-                let (dr, dc) = OFFSETS[i];
                 let next = at.wrapping_add_signed(dr * self.stride as isize + dc);
+                // Positions sort as indices do, but for the seam.
+                let index = if at_seam { self.index(next) } else { next as Cell };
                 let key = self.keys[next];
-                if key >= top.0 {
-                    let index = self.index(next);
-                    if key > top.0 || index < top.1 {
-                        *top = (key, index, next);
-                    }
+                if key > top.0 || (key == top.0 && index < top.1) {
+                    *top = (key, index, next);
                 }
             }
         }
@@ -431,83 +449,9 @@ impl<'a, K: Key> Scanner<'a, K> {
     }
 }
 
-/// Masks of a row of cells from the rimmed rows around it; voids get a full mask, which is neither peak nor saddle.
-#[inline]
-fn masks_of_row<K: Key>(lines: [&[K]; 3], masks: &mut [u8]) {
-    let n = masks.len();
-    let [north, here, south] = lines;
-    let (nw, no, ne) = (&north[..n], &north[1..=n], &north[2..n + 2]);
-    let (we, me, ea) = (&here[..n], &here[1..=n], &here[2..n + 2]);
-    let (sw, so, se) = (&south[..n], &south[1..=n], &south[2..n + 2]);
-    for i in 0..n {
-        let p = me[i];
-        // Neighbours with a lower index are above when as high, the others only when higher.
-        let mask = u8::from(nw[i] >= p)
-            | u8::from(no[i] >= p) << 1
-            | u8::from(ne[i] >= p) << 2
-            | u8::from(we[i] >= p) << 3
-            | u8::from(ea[i] > p) << 4
-            | u8::from(sw[i] > p) << 5
-            | u8::from(so[i] > p) << 6
-            | u8::from(se[i] > p) << 7;
-        masks[i] = if p == K::VOID { u8::MAX } else { mask };
-    }
-}
-
-/// The pieces of each mask, as masks.
-static PIECES_OF: [[u8; 4]; 256] = pieces_of();
-
-const fn pieces_of() -> [[u8; 4]; 256] {
-    let mut table = [[0_u8; 4]; 256];
-    let mut mask = 0;
-    while mask < 256 {
-        let mut rest = mask as u8;
-        let mut count = 0;
-        while rest != 0 {
-            // Grow a piece from the lowest bit that is left until nothing touches it any more.
-            let mut piece = rest & rest.wrapping_neg();
-            let mut pass = 0;
-            while pass < 8 {
-                let mut i = 0;
-                while i < 8 {
-                    let mut step = 1;
-                    while step <= 2 {
-                        let j = (i + step) % 8;
-                        let (p, q) = (1 << RING[i], 1 << RING[j]);
-                        if rest & p != 0
-                            && rest & q != 0
-                            && (piece & p != 0 || piece & q != 0)
-                            && (step == 1 || i % 2 == 1)
-                        {
-                            piece |= p | q;
-                        }
-                        step += 1;
-                    }
-                    i += 1;
-                }
-                pass += 1;
-            }
-            table[mask][count] = piece;
-            count += 1;
-            rest &= !piece;
-        }
-        mask += 1;
-    }
-    table
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn pieces_make_up_their_mask() {
-        for mask in 0..256 {
-            let pieces = PIECES_OF[mask];
-            assert_eq!(pieces.iter().fold(0, |all, p| all | p) as usize, mask);
-            assert_eq!(pieces.iter().filter(|&&p| p != 0).count(), PIECES[mask] as usize, "mask {mask:08b}");
-        }
-    }
 
     #[test]
     fn rings_of_all_shapes() {

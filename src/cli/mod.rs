@@ -1,0 +1,65 @@
+//! The command line: words to calls, results to words. One file a verb.
+
+mod info;
+mod peaks;
+mod progress;
+mod report;
+mod shared;
+mod tags;
+
+use crate::error::{Error, Result};
+use clap::{Parser, Subcommand};
+use report::Reporter;
+use std::ffi::OsString;
+
+/// Mountains from elevation models: peaks, key saddles, prominence, isolation, divide trees.
+#[derive(Debug, Parser)]
+#[command(name = "orograph", disable_version_flag = true, max_term_width = 100, arg_required_else_help = true)]
+struct Arguments {
+    /// Print the versions of orograph, GDAL and PROJ.
+    #[arg(short = 'V', long)]
+    version: bool,
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Info(info::Info),
+    Peaks(Box<peaks::Peaks>),
+}
+
+/// Runs the program with its arguments, the program's name first; returns the exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    // A wrong call has no options that could be asked whether JSON is wanted.
+    let wants_json = arguments.iter().any(|argument| argument == "--json");
+    let parsed = match Arguments::try_parse_from(&arguments) {
+        Ok(parsed) => parsed,
+        Err(error) => return report::usage(&error, wants_json),
+    };
+    if parsed.version {
+        return report::version();
+    }
+    match parsed.verb {
+        None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
+        Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
+    }
+}
+
+/// Runs one verb: threads, interrupts, report.
+fn execute(
+    verb: &'static str,
+    common: &shared::CommonOptions,
+    run: impl FnOnce(&mut Reporter) -> Result<serde_json::Value>,
+) -> u8 {
+    let mut reporter = Reporter::new(verb, common);
+    let result = common.start_threads().and_then(|()| run(&mut reporter));
+    reporter.finish(result)
+}
+
+/// A usage error of a value that clap let through.
+fn wrong_value(option: &str, error: &Error) -> Error {
+    Error::usage(format!("{option}: {error}"))
+}

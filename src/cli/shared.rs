@@ -1,0 +1,144 @@
+//! Options that verbs share.
+
+use super::wrong_value;
+use crate::error::{Error, Result};
+use crate::io::raster::RasterOptions;
+use crate::units::{LengthUnit, parse_memory};
+use clap::Args;
+
+/// Options of every verb.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Common options")]
+pub(super) struct CommonOptions {
+    /// Print one JSON document instead of text.
+    #[arg(long)]
+    pub(super) json: bool,
+    /// No progress, no warnings.
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+    /// Say more: how long each step took.
+    #[arg(short, long)]
+    pub(super) verbose: bool,
+    /// Threads to use; all processors unless given. Results do not depend on it.
+    #[arg(short = 'j', long, value_name = "N")]
+    pub(super) threads: Option<usize>,
+}
+
+impl CommonOptions {
+    /// Starts the pool of threads.
+    pub(super) fn start_threads(&self) -> Result<()> {
+        let threads = match self.threads {
+            Some(0) => return Err(Error::usage("--threads 0: expected at least 1")),
+            Some(threads) => threads,
+            None => 0,
+        };
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .map_err(|error| Error::usage(format!("--threads {threads}: {error}")))
+    }
+}
+
+/// Options of verbs that read a raster.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Input")]
+pub(super) struct InputOptions {
+    /// Band to read, from 1.
+    #[arg(long, value_name = "N")]
+    band: Option<usize>,
+    /// Value of cells without data; replaces a declared one.
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    nodata: Option<f64>,
+    /// CRS of an input that has none: EPSG:2056, WKT, a PROJ string.
+    #[arg(long, value_name = "CRS")]
+    crs: Option<String>,
+    /// Unit of the elevations: m, ft, us-ft, dm, cm, ...; replaces a declared one.
+    #[arg(long, value_name = "UNIT")]
+    vertical_unit: Option<String>,
+    /// Read a part: first column, first row, columns, rows.
+    #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
+    window: Option<Vec<usize>>,
+    /// Read the cells inside a box, in the input's CRS.
+    #[arg(
+        long,
+        value_name = "XMIN,YMIN,XMAX,YMAX",
+        value_delimiter = ',',
+        num_args = 1,
+        allow_negative_numbers = true
+    )]
+    bbox: Option<Vec<f64>>,
+}
+
+impl InputOptions {
+    /// What the options mean.
+    pub(super) fn meant(&self) -> Result<RasterOptions> {
+        let vertical_unit = self.vertical_unit.as_deref().map(|name| {
+            LengthUnit::from_name(name).ok_or_else(|| {
+                Error::usage(format!("--vertical-unit '{name}' is not a known unit: expected m, ft, us-ft, ..."))
+            })
+        });
+        let four = |option: &str, n: usize| {
+            Error::usage(format!("{option}: expected four numbers with commas between them, found {n}"))
+        };
+        let window =
+            self.window.as_ref().map(|w| <[usize; 4]>::try_from(w.as_slice()).map_err(|_| four("--window", w.len())));
+        let bbox = self.bbox.as_ref().map(|b| <[f64; 4]>::try_from(b.as_slice()).map_err(|_| four("--bbox", b.len())));
+        Ok(RasterOptions {
+            band: self.band,
+            nodata: self.nodata,
+            crs: self.crs.clone(),
+            vertical_unit: vertical_unit.transpose()?,
+            window: window.transpose()?,
+            bbox: bbox.transpose()?,
+        })
+    }
+
+    /// The options as words of a command, those that were given.
+    pub(super) fn words(&self) -> Vec<String> {
+        let mut words = Vec::new();
+        let mut put = |option: &str, value: Option<String>| {
+            if let Some(value) = value {
+                words.extend([option.to_string(), value]);
+            }
+        };
+        put("--band", self.band.map(|v| v.to_string()));
+        put("--nodata", self.nodata.map(|v| v.to_string()));
+        put("--crs", self.crs.clone());
+        put("--vertical-unit", self.vertical_unit.clone());
+        put("--window", self.window.as_deref().map(list));
+        put("--bbox", self.bbox.as_deref().map(list));
+        words
+    }
+}
+
+fn list<T: ToString>(values: &[T]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+/// Options of verbs that write.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Output")]
+pub(super) struct OutputOptions {
+    /// Replace outputs that exist already.
+    #[arg(long)]
+    pub(super) overwrite: bool,
+}
+
+/// Options of verbs that keep much in memory.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Resources")]
+pub(super) struct MemoryOptions {
+    /// Memory that may be used, such as 2G; what the machine has free unless given.
+    #[arg(long, value_name = "SIZE")]
+    memory: Option<String>,
+}
+
+impl MemoryOptions {
+    /// Bytes that may be used, if given.
+    pub(super) fn bytes(&self) -> Result<Option<u64>> {
+        self.memory
+            .as_deref()
+            .map(|text| parse_memory(text).map_err(|error| wrong_value("--memory", &error)))
+            .transpose()
+    }
+}

@@ -1,0 +1,8 @@
+//! Figures: from what the methods measured to what the plot room draws.
+//!
+//! The rooms of measuring and of drawing do not know each other; this one, above both, puts numbers, names and units
+//! on the axes.
+
+mod distributions;
+
+pub use distributions::{Subject, distributions_chart};

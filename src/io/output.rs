@@ -1,0 +1,90 @@
+//! Outputs that are there whole or not at all.
+
+use crate::error::{Error, ErrorKind, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A file that is written under a temporary name beside its target and takes its place when it is finished.
+///
+/// Dropped before [`Output::finish`] it leaves nothing behind.
+#[derive(Debug)]
+pub struct Output {
+    target: PathBuf,
+    partial: PathBuf,
+    finished: bool,
+}
+
+impl Output {
+    /// Prepares an output; nothing is created yet.
+    ///
+    /// # Errors
+    /// When the target exists and may not be replaced, is a folder, or its folder is missing or not writable: looked
+    /// at before any work is done.
+    pub fn begin(target: &Path, overwrite: bool) -> Result<Self> {
+        let refuse = |message: String| Err(Error::new(ErrorKind::Output, message).at_path(target));
+        if let Ok(found) = fs::symlink_metadata(target) {
+            if found.is_dir() {
+                return refuse("the output is a folder; name a file".into());
+            }
+            if !overwrite {
+                return refuse("the output exists already; replace it with --overwrite".into());
+            }
+        }
+        let Some(name) = target.file_name() else { return refuse("the output has no file name".into()) };
+        let folder = match target.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return refuse(format!("the folder {} does not exist", folder.display()));
+        }
+        // The extension stays at the end: drivers look at it.
+        let partial = folder.join(format!(".orograph-{}-{}", std::process::id(), name.to_string_lossy()));
+        if let Err(error) = fs::File::create(&partial) {
+            return refuse(format!("the folder {} cannot be written to: {error}", folder.display()));
+        }
+        // Drivers want to create the file themselves.
+        let output = Self { target: target.to_path_buf(), partial, finished: false };
+        output.clear();
+        Ok(output)
+    }
+
+    /// Where to write for now.
+    pub fn path(&self) -> &Path {
+        &self.partial
+    }
+
+    /// Where the file will be.
+    pub fn target(&self) -> &Path {
+        &self.target
+    }
+
+    /// Puts the finished file in its place.
+    ///
+    /// # Errors
+    /// When it cannot be moved there.
+    pub fn finish(mut self) -> Result<()> {
+        fs::rename(&self.partial, &self.target).map_err(|error| {
+            Error::new(ErrorKind::Output, format!("the finished file cannot be put in its place: {error}"))
+                .at_path(&self.target)
+        })?;
+        self.finished = true;
+        Ok(())
+    }
+
+    fn clear(&self) {
+        let side = |suffix: &str| PathBuf::from(format!("{}{suffix}", self.partial.display()));
+        // Whatever is not there need not be removed; SQLite may leave companions.
+        for path in [self.partial.clone(), side("-journal"), side("-wal"), side("-shm")] {
+            let _ = fs::remove_file(path);
+        }
+    }
+}
+
+impl Drop for Output {
+    fn drop(&mut self) {
+        if !self.finished {
+            self.clear();
+        }
+    }
+}

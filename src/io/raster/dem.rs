@@ -1,0 +1,52 @@
+//! An elevation model in memory.
+
+use super::suspect::Sentinel;
+use crate::crs::{Crs, CrsKind};
+use crate::grid::{AnyGrid, Elevations, GeoTransform};
+
+/// The least and greatest key of the cells that are not void.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Extremes {
+    /// Least key.
+    pub least: i64,
+    /// Greatest key.
+    pub greatest: i64,
+    /// Cells that are not void.
+    pub cells: u64,
+}
+
+/// One band of a raster as an elevation model: rows from north to south, columns from west to east.
+#[derive(Debug)]
+pub struct Dem {
+    /// The cells.
+    pub grid: AnyGrid,
+    /// What the keys mean.
+    pub elevations: Elevations,
+    /// Where the cells are.
+    pub transform: GeoTransform,
+    /// The CRS, if the file has one or one was assigned.
+    pub crs: Option<Crs>,
+    /// Whether the file says where its cells are at all.
+    pub is_georeferenced: bool,
+    /// Extremes of the cells; `None` where all are void.
+    pub extremes: Option<Extremes>,
+    /// A value that looks like nodata without being declared so.
+    pub sentinel: Option<Sentinel>,
+    /// What a user should know of how the file was read.
+    pub notes: Vec<String>,
+}
+
+impl Dem {
+    /// Longitude and latitude in degrees of coordinates in the DEM's CRS, where that is geographic.
+    pub fn geographic(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        self.crs.as_ref()?.geographic_degrees(x, y)
+    }
+
+    /// Metres in one unit of the coordinates, where they are plane.
+    pub fn linear_unit_m(&self) -> f64 {
+        match self.crs.as_ref().map(|crs| &crs.kind) {
+            Some(CrsKind::Projected { metres, .. } | CrsKind::Local { metres }) => *metres,
+            _ => 1.0,
+        }
+    }
+}

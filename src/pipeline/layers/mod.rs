@@ -1,0 +1,18 @@
+//! The layers of a survey, row by row, as they are written.
+
+mod divide_tree;
+mod isolation;
+mod line;
+mod measure;
+mod peaks;
+mod saddles;
+mod style;
+
+pub use divide_tree::DivideTreeLayer;
+pub use isolation::IsolationLayer;
+pub use measure::{Frame, LengthOutput};
+pub use peaks::{PeakTags, PeaksLayer};
+pub use saddles::SaddlesLayer;
+
+/// Names of the layers, in the order in which they are written.
+pub const NAMES: [&str; 4] = ["peaks", "saddles", "divide_tree", "isolation"];

@@ -1,0 +1,17 @@
+//! Jobs from files to files: what reads, measures and writes, within a memory budget.
+
+pub mod layers;
+pub mod memory;
+mod metric;
+mod names;
+mod overlay;
+pub mod peaks;
+mod regions;
+mod spikes;
+mod tags;
+
+pub use metric::{AnyMetric, Distance, metric_of};
+pub use names::Names;
+pub use overlay::{OverlayLayers, ReadOverlay, read_overlay};
+pub use regions::Regions;
+pub use tags::{NameLayer, TagLayer, TagOptions, Tagger};
