@@ -26,6 +26,7 @@ const LAYERS: &[(&str, u8, &[&str])] = &[
     ("plot", 3, &[]),
     ("amplify", 3, &["dictionary", "construction", "erosion"]),
     ("synthesis", 3, &["orometry", "tin", "erosion"]),
+    ("figures", 4, &[]),
     ("oro", 4, &[]),
     ("pipeline", 5, &[]),
     ("cli", 6, &[]),
