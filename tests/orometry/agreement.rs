@@ -131,7 +131,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(proptest::test_runner::Config { max_shrink_iters: 200, ..cases(60) })]
+    #![proptest_config(proptest::test_runner::Config { max_shrink_iters: 40, ..cases(30) })]
 
     #[test]
     fn every_tiling_of_large_grids_agrees_with_the_reference(case in large_case()) {

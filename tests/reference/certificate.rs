@@ -53,16 +53,20 @@ pub fn ends_with_virtual_cell(raster: &Raster, touching: &[bool]) -> BTreeMap<Ce
     ends
 }
 
-/// The component of the cells above `saddle` that holds `peak`.
-pub fn island(raster: &Raster, peak: Cell, saddle: Cell) -> BTreeSet<Cell> {
+/// Whether the island of a peak, the component of the cells above its key saddle that holds it, has a cell that is
+/// adjacent to the virtual cell.
+pub fn island_touches(raster: &Raster, peak: Cell, saddle: Cell, touching: &[bool]) -> bool {
     let mut island = BTreeSet::from([peak]);
     let mut todo = vec![peak];
     while let Some(cell) = todo.pop() {
+        if touching[cell as usize] {
+            return true;
+        }
         for n in raster.neighbours(cell) {
             if raster.is_above(n, saddle) && island.insert(n) {
                 todo.push(n);
             }
         }
     }
-    island
+    false
 }

@@ -180,9 +180,7 @@ pub fn survey<K: Key>(grid: &Grid<K>, elevations: &Elevations, metric: &dyn Metr
                 prominence_m: m.prominence_m,
                 prominence_min_m: m.prominence_min_m,
                 prominence_certain: match join {
-                    Some(join) => {
-                        !certificate::island(&raster, peak, join.saddle).iter().any(|&c| touching[c as usize])
-                    }
+                    Some(join) => !certificate::island_touches(&raster, peak, join.saddle, &touching),
                     None => all_known || !ends.contains_key(&peak),
                 },
                 is_root: join.is_none(),
