@@ -1,6 +1,7 @@
 //! Jobs from files to files: what reads, measures and writes, within a memory budget.
 
 pub mod layers;
+pub mod map;
 pub mod memory;
 mod metric;
 mod overlay;

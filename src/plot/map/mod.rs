@@ -18,6 +18,6 @@ mod symbols;
 mod text;
 mod tint;
 
-pub use draw::{MapOptions, draw};
+pub use draw::{Map, MapOptions, draw};
 pub use overlay::{Overlay, PeakMark, Ridge};
 pub use raster::Relief;
