@@ -1,5 +1,6 @@
 //! Jobs from files to files: what reads, measures and writes, within a memory budget.
 
+mod backbone;
 pub mod layers;
 pub mod map;
 pub mod memory;

@@ -1,5 +1,6 @@
 //! From the layers of a survey's GeoPackage to what a map shows on its relief.
 
+use super::backbone::{Edge, carried_m};
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::features::{Feature, Layer, LayerSummary, Value, list_layers, read_layer};
 use crate::plot::map::{Overlay, PeakMark, Ridge};
@@ -20,7 +21,7 @@ pub struct OverlayLayers<'a> {
     pub peaks: Option<&'a Layer>,
     /// Points; those with the greatest prominence come first where symbols crowd.
     pub saddles: Option<&'a Layer>,
-    /// Lines with a prominence.
+    /// Lines with a prominence, and with `peak_a`, `peak_b` and `saddle`, which tell how they hang together.
     pub divide_tree: Option<&'a Layer>,
     /// Lines.
     pub isolation: Option<&'a Layer>,
@@ -50,9 +51,10 @@ impl OverlayLayers<'_> {
         // Stable, and the unknown last: saddles without a prominence keep the order of the file.
         saddles.sort_by(|a, b| known(b.0).total_cmp(&known(a.0)));
         overlay.saddles = saddles.into_iter().map(|(_, point)| point).collect();
-        for (feature, fields) in features(self.divide_tree) {
-            let prominence_m = fields.length_m(feature, PROMINENCE);
-            overlay.ridges.extend(lines(feature).into_iter().map(|path| Ridge { path, prominence_m }));
+        let edges: Vec<Edge> = features(self.divide_tree).map(|(feature, fields)| fields.edge(feature)).collect();
+        for ((feature, _), (edge, carried_m)) in features(self.divide_tree).zip(edges.iter().zip(carried_m(&edges))) {
+            let ridge = |path| Ridge { path, prominence_m: edge.prominence_m, carried_m };
+            overlay.ridges.extend(lines(feature).into_iter().map(ridge));
         }
         overlay.isolation = features(self.isolation).flat_map(|(feature, _)| lines(feature)).collect();
         overlay
@@ -94,7 +96,7 @@ pub fn read_overlay(path: impl AsRef<Path>, wanted: &[&str], target_wkt: Option<
     let [prominence_m, prominence_ft] = PROMINENCE;
     let peaks = read("peaks", &[NAME, elevation_m, elevation_ft, prominence_m, prominence_ft])?;
     let saddles = read("saddles", &PROMINENCE)?;
-    let divide_tree = read("divide_tree", &PROMINENCE)?;
+    let divide_tree = read("divide_tree", &["peak_a", "peak_b", "saddle", prominence_m, prominence_ft])?;
     let isolation = read("isolation", &[])?;
     let all = [&peaks, &saddles, &divide_tree, &isolation];
     if all.iter().all(|layer| layer.is_none()) {
@@ -131,6 +133,16 @@ struct Fields<'a>(&'a Layer);
 impl Fields<'_> {
     fn value<'f>(&self, feature: &'f Feature, name: &str) -> Option<&'f Value> {
         feature.values.get(self.0.field(name)?)
+    }
+
+    /// A line of the divide tree; peaks that the layer does not name make it a tree of its own.
+    fn edge(&self, feature: &Feature) -> Edge {
+        let peak = |name, none| self.value(feature, name).and_then(Value::number).map_or(none, |id| id as i64);
+        Edge {
+            peaks: [peak("peak_a", -1), peak("peak_b", -2)],
+            ended: peak("saddle", -3),
+            prominence_m: self.length_m(feature, PROMINENCE),
+        }
     }
 
     fn length_m(&self, feature: &Feature, [metres, feet]: [&str; 2]) -> f64 {

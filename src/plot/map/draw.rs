@@ -7,7 +7,7 @@ use super::graticule::draw_ticks;
 use super::hillshade::{LEVEL, exaggeration, hillshade, slopes};
 use super::legend::{Legend, QUIET, TEXT};
 use super::overlay::Overlay;
-use super::raster::{Relief, stretch};
+use super::raster::{Averaged, Relief};
 use super::scale_bar::ScaleBar;
 use super::symbols::{Drawn, draw_overlay};
 use super::text::{Align, Font, Lettering, grouped};
@@ -196,21 +196,18 @@ struct Tints {
 fn drawn_relief(relief: &Relief, frame: &Frame, options: &MapOptions) -> Result<(Canvas, Tints)> {
     let (height, width) = (frame.height as usize, frame.width as usize);
     let averaged = relief.averaged(height, width, options.sea_level_m);
-    let slopes = slopes(&averaged);
-    let times = options.exaggeration.map_or_else(|| exaggeration(&slopes), |z| z as f32);
-    let shade = hillshade(&slopes, times);
     // A regular sample ranks as well as all cells do; an odd step meets every column sooner or later.
     let stride = (averaged.elevation_m.len() / 200_000).max(1) | 1;
     let sample = averaged.elevation_m.iter().copied().zip(averaged.sea.iter().copied()).step_by(stride);
     let ramp = Ramp::fit(sample, options.sea_level_m.unwrap_or(0.0) as f32);
     let known = averaged.valid.iter().map(|&v| f64::from(v)).sum::<f64>() / averaged.valid.len() as f64;
     let is_land = averaged.elevation_m.iter().zip(&averaged.sea).any(|(e, sea)| e.is_finite() && *sea < 0.5);
-
-    let (from, to) = ((averaged.rows, averaged.cols), (height, width));
-    let elevation_m = stretch(&averaged.elevation_m, from, to);
-    let shade = stretch(&shade, from, to);
-    let sea = stretch(&averaged.sea, from, to);
-    let valid = stretch(&averaged.valid, from, to);
+    // Enlarged first and shaded then: light that is enlarged looks out of focus.
+    let relief = averaged.enlarged(height, width);
+    let slopes = slopes(&relief);
+    let times = options.exaggeration.map_or_else(|| exaggeration(&slopes), |z| z as f32);
+    let shade = hillshade(&slopes, times);
+    let Averaged { elevation_m, sea, valid, .. } = relief;
     let pixels: Vec<[u8; 3]> = (0..height * width)
         .into_par_iter()
         .map(|i| ramp.shaded(elevation_m[i], if shade[i].is_nan() { LEVEL } else { shade[i] }, sea[i], valid[i]))
@@ -266,7 +263,11 @@ mod tests {
         Overlay {
             peaks: vec![peak(700.0, 900.0, 300.0), peak(3000.0, 2000.0, f64::NAN), peak(-1e9, 0.0, 5.0)],
             saddles: vec![(501_500.0, 5_198_800.0), (f64::INFINITY, 0.0)],
-            ridges: vec![Ridge { path: vec![(500_700.0, 5_199_100.0), (503_000.0, 5_198_000.0)], prominence_m: 90.0 }],
+            ridges: vec![Ridge {
+                path: vec![(500_700.0, 5_199_100.0), (503_000.0, 5_198_000.0)],
+                prominence_m: 90.0,
+                carried_m: 90.0,
+            }],
             isolation: vec![vec![(500_700.0, 5_199_100.0), (1e12, 5_198_000.0)]],
         }
     }
@@ -288,7 +289,7 @@ mod tests {
         assert!(pixels.iter().any(|&p| p < 60), "something dark was drawn");
         assert_eq!(draw(&relief, &overlay(), &options).unwrap(), map);
         let (rows, cols) = options.relief_size(60, 80, &relief.transform, None).unwrap();
-        assert_eq!((rows, cols), (261, 348), "the width without its margins");
+        assert_eq!((rows, cols), (270, 360), "the width without its margins");
     }
 
     #[test]

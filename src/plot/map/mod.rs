@@ -6,12 +6,14 @@
 mod canvas;
 mod classes;
 mod draw;
+mod enlarge;
 mod frame;
 mod graticule;
 mod hillshade;
 mod labels;
 mod legend;
 mod overlay;
+mod placement;
 mod raster;
 mod scale_bar;
 mod symbols;

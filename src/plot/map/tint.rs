@@ -102,7 +102,8 @@ fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 }
 
 fn to_byte(value: f32) -> u8 {
-    value.round().clamp(0.0, 255.0) as u8
+    // The cast keeps to the range of a byte.
+    (value + 0.5) as u8
 }
 
 /// The value below which the share `part` of the values lies.
