@@ -1,6 +1,7 @@
 //! The command line: words to calls, results to words. One file a verb.
 
 mod info;
+mod map;
 mod peaks;
 mod progress;
 mod report;
@@ -28,6 +29,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Info(info::Info),
+    Map(map::Map),
     Peaks(Box<peaks::Peaks>),
     Stats(Box<stats::Stats>),
 }
@@ -47,6 +49,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match parsed.verb {
         None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Map(verb)) => execute("map", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
     }

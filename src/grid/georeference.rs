@@ -46,6 +46,13 @@ impl GeoTransform {
         Self([x, t[1], t[2], y, t[4], t[5]])
     }
 
+    /// The transform of a raster at the same place whose cells are so many rows high and columns wide.
+    #[must_use]
+    pub fn scaled(&self, rows: f64, cols: f64) -> Self {
+        let t = &self.0;
+        Self([t[0], t[1] * cols, t[2] * rows, t[3], t[4] * cols, t[5] * rows])
+    }
+
     /// The transform of the raster with its rows in reverse.
     #[must_use]
     pub fn flipped_rows(&self, rows: usize) -> Self {

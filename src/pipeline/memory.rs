@@ -5,6 +5,9 @@ use crate::error::{Error, ErrorKind, Result};
 /// Bytes a cell that the divide tree takes besides the raster itself, on real terrain.
 const TREE_BYTES_PER_CELL: u64 = 6;
 
+/// Bytes a pixel that a map takes while it is drawn.
+const MAP_BYTES_PER_PIXEL: u64 = 112;
+
 /// Bytes that a job takes whatever the raster.
 const FIXED_BYTES: u64 = 96 << 20;
 
@@ -28,19 +31,31 @@ pub fn survey_bytes(cells: u64, key_bytes: u64) -> u64 {
     cells.saturating_mul(key_bytes + TREE_BYTES_PER_CELL).saturating_add(FIXED_BYTES)
 }
 
-/// Refuses a job that would not fit.
+/// Bytes that a map of so many pixels takes, drawn from a raster of at most twice its resolution.
+pub fn map_bytes(pixels: u64) -> u64 {
+    pixels.saturating_mul(MAP_BYTES_PER_PIXEL).saturating_add(FIXED_BYTES)
+}
+
+/// Refuses a survey that would not fit.
 ///
 /// # Errors
 /// With the estimate, the budget and what to do.
 pub fn admit(needed: u64, budget: u64) -> Result<()> {
+    admit_or(needed, budget, "cut the raster with --window or --bbox")
+}
+
+/// Refuses a job that would not fit; `remedy` is what makes it smaller.
+///
+/// # Errors
+/// With the estimate, the budget and what to do.
+pub fn admit_or(needed: u64, budget: u64, remedy: &str) -> Result<()> {
     if needed <= budget {
         return Ok(());
     }
     Err(Error::new(
         ErrorKind::Unsupported,
         format!(
-            "the work needs about {} of memory and may use {}; cut the raster with --window or --bbox, raise --memory, \
-             or use a machine with more",
+            "the work needs about {} of memory and may use {}; {remedy}, raise --memory, or use a machine with more",
             text(needed),
             text(budget)
         ),

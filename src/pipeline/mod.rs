@@ -1,6 +1,8 @@
 //! Jobs from files to files: what reads, measures and writes, within a memory budget.
 
+mod backbone;
 pub mod layers;
+pub mod map;
 pub mod memory;
 mod metric;
 mod names;

@@ -1,23 +1,27 @@
 //! From the layers of a survey's GeoPackage to what a map shows on its relief.
 
+use super::backbone::{Edge, carried_m};
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::features::{Feature, Layer, LayerSummary, Value, list_layers, read_layer};
 use crate::plot::map::{Overlay, PeakMark, Ridge};
+use crate::units::FOOT_M;
 use geo::{Geometry, LineString};
 use std::path::Path;
 
 const NAME: &str = "name";
-const ELEVATION: &str = "elevation_m";
-const PROMINENCE: &str = "prominence_m";
+/// Lengths, in metres or in feet as the end of the field's name says.
+const ELEVATION: [&str; 2] = ["elevation_m", "elevation_ft"];
+const PROMINENCE: [&str; 2] = ["prominence_m", "prominence_ft"];
 
 /// The layers that a map shows, each where there is one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OverlayLayers<'a> {
-    /// Points with `name`, `elevation_m` and `prominence_m`, of which each may be missing.
+    /// Points with `name`, `elevation_m` and `prominence_m` (or these two in feet, as `elevation_ft` and
+    /// `prominence_ft`), of which each may be missing.
     pub peaks: Option<&'a Layer>,
-    /// Points; those with the greatest `prominence_m` come first where symbols crowd.
+    /// Points; those with the greatest prominence come first where symbols crowd.
     pub saddles: Option<&'a Layer>,
-    /// Lines with `prominence_m`.
+    /// Lines with a prominence, and with `peak_a`, `peak_b` and `saddle`, which tell how they hang together.
     pub divide_tree: Option<&'a Layer>,
     /// Lines.
     pub isolation: Option<&'a Layer>,
@@ -32,24 +36,25 @@ impl OverlayLayers<'_> {
                 overlay.peaks.push(PeakMark {
                     x,
                     y,
-                    prominence_m: fields.number(feature, PROMINENCE),
-                    elevation_m: fields.number(feature, ELEVATION),
+                    prominence_m: fields.length_m(feature, PROMINENCE),
+                    elevation_m: fields.length_m(feature, ELEVATION),
                     name: fields.value(feature, NAME).and_then(Value::text).map(str::to_string),
                 });
             }
         }
         let mut saddles: Vec<(f64, (f64, f64))> = features(self.saddles)
             .flat_map(|(feature, fields)| {
-                let prominence_m = fields.number(feature, PROMINENCE);
+                let prominence_m = fields.length_m(feature, PROMINENCE);
                 points(feature).into_iter().map(move |point| (prominence_m, point))
             })
             .collect();
         // Stable, and the unknown last: saddles without a prominence keep the order of the file.
         saddles.sort_by(|a, b| known(b.0).total_cmp(&known(a.0)));
         overlay.saddles = saddles.into_iter().map(|(_, point)| point).collect();
-        for (feature, fields) in features(self.divide_tree) {
-            let prominence_m = fields.number(feature, PROMINENCE);
-            overlay.ridges.extend(lines(feature).into_iter().map(|path| Ridge { path, prominence_m }));
+        let edges: Vec<Edge> = features(self.divide_tree).map(|(feature, fields)| fields.edge(feature)).collect();
+        for ((feature, _), (edge, carried_m)) in features(self.divide_tree).zip(edges.iter().zip(carried_m(&edges))) {
+            let ridge = |path| Ridge { path, prominence_m: edge.prominence_m, carried_m };
+            overlay.ridges.extend(lines(feature).into_iter().map(ridge));
         }
         overlay.isolation = features(self.isolation).flat_map(|(feature, _)| lines(feature)).collect();
         overlay
@@ -63,26 +68,35 @@ pub struct ReadOverlay {
     pub overlay: Overlay,
     /// Number of features that have no place in the map's CRS.
     pub unplaced: usize,
+    /// Layers that were wanted but are not there.
+    pub missing: Vec<String>,
 }
 
-/// Reads the layers `peaks`, `saddles`, `divide_tree` and `isolation` of a GeoPackage, as far as they are there, in
-/// the CRS `target_wkt`, or in their own.
+/// Reads those of the layers `peaks`, `saddles`, `divide_tree` and `isolation` of a GeoPackage that are `wanted`, as
+/// far as they are there, in the CRS `target_wkt`, or in their own.
 ///
 /// # Errors
 /// When the file has none of the layers, or one of them cannot be read.
-pub fn read_overlay(path: impl AsRef<Path>, target_wkt: Option<&str>) -> Result<ReadOverlay> {
+pub fn read_overlay(path: impl AsRef<Path>, wanted: &[&str], target_wkt: Option<&str>) -> Result<ReadOverlay> {
     let path = path.as_ref();
     let there = list_layers(path)?;
-    let read = |name: &str, fields: &[&str]| -> Result<Option<Layer>> {
+    let mut missing = Vec::new();
+    let mut read = |name: &str, fields: &[&str]| -> Result<Option<Layer>> {
+        if !wanted.contains(&name) {
+            return Ok(None);
+        }
         let Some(summary) = there.iter().find(|layer| layer.name == name && layer.has_geometry) else {
+            missing.push(name.to_string());
             return Ok(None);
         };
         let fields: Vec<&str> = fields.iter().copied().filter(|field| has_field(summary, field)).collect();
         read_layer(path, Some(name), &fields, target_wkt).map(Some)
     };
-    let peaks = read("peaks", &[NAME, ELEVATION, PROMINENCE])?;
-    let saddles = read("saddles", &[PROMINENCE])?;
-    let divide_tree = read("divide_tree", &[PROMINENCE])?;
+    let [elevation_m, elevation_ft] = ELEVATION;
+    let [prominence_m, prominence_ft] = PROMINENCE;
+    let peaks = read("peaks", &[NAME, elevation_m, elevation_ft, prominence_m, prominence_ft])?;
+    let saddles = read("saddles", &PROMINENCE)?;
+    let divide_tree = read("divide_tree", &["peak_a", "peak_b", "saddle", prominence_m, prominence_ft])?;
     let isolation = read("isolation", &[])?;
     let all = [&peaks, &saddles, &divide_tree, &isolation];
     if all.iter().all(|layer| layer.is_none()) {
@@ -90,9 +104,7 @@ pub fn read_overlay(path: impl AsRef<Path>, target_wkt: Option<&str>) -> Result<
         let list = if names.is_empty() { "no layer".to_string() } else { names.join(", ") };
         return Err(Error::new(
             ErrorKind::Input,
-            format!(
-                "there is none of the layers peaks, saddles, divide_tree and isolation: it has {list}; make them with orograph peaks"
-            ),
+            format!("there is no layer {}: it has {list}; make them with orograph peaks", wanted.join(" or ")),
         )
         .at_path(path));
     }
@@ -103,7 +115,7 @@ pub fn read_overlay(path: impl AsRef<Path>, target_wkt: Option<&str>) -> Result<
         divide_tree: divide_tree.as_ref(),
         isolation: isolation.as_ref(),
     };
-    Ok(ReadOverlay { overlay: layers.overlay(), unplaced })
+    Ok(ReadOverlay { overlay: layers.overlay(), unplaced, missing })
 }
 
 fn has_field(layer: &LayerSummary, name: &str) -> bool {
@@ -123,8 +135,19 @@ impl Fields<'_> {
         feature.values.get(self.0.field(name)?)
     }
 
-    fn number(&self, feature: &Feature, name: &str) -> f64 {
-        self.value(feature, name).and_then(Value::number).unwrap_or(f64::NAN)
+    /// A line of the divide tree; peaks that the layer does not name make it a tree of its own.
+    fn edge(&self, feature: &Feature) -> Edge {
+        let peak = |name, none| self.value(feature, name).and_then(Value::number).map_or(none, |id| id as i64);
+        Edge {
+            peaks: [peak("peak_a", -1), peak("peak_b", -2)],
+            ended: peak("saddle", -3),
+            prominence_m: self.length_m(feature, PROMINENCE),
+        }
+    }
+
+    fn length_m(&self, feature: &Feature, [metres, feet]: [&str; 2]) -> f64 {
+        let number = |name| self.value(feature, name).and_then(Value::number);
+        number(metres).or_else(|| number(feet).map(|feet| feet * FOOT_M)).unwrap_or(f64::NAN)
     }
 }
 
@@ -172,16 +195,16 @@ mod tests {
         let point = |x: f64, y: f64| Geometry::Point((x, y).into());
         let line = |x: f64| LineString::from(vec![(x, 0.0), (x, 1.0)]);
         let peaks = layer(
-            &[PROMINENCE, NAME],
+            &["prominence_m", NAME],
             vec![
                 (point(1.0, 2.0), vec![number(40.0), Value::Text("Ela".into())]),
                 (point(3.0, 4.0), vec![Value::Null, Value::Null]),
             ],
         );
         let saddles =
-            layer(&[PROMINENCE], vec![(point(5.0, 5.0), vec![Value::Null]), (point(6.0, 6.0), vec![number(9.0)])]);
+            layer(&["prominence_ft"], vec![(point(5.0, 5.0), vec![Value::Null]), (point(6.0, 6.0), vec![number(9.0)])]);
         let two = Geometry::MultiLineString(geo::MultiLineString(vec![line(1.0), line(2.0)]));
-        let tree = layer(&[PROMINENCE], vec![(two, vec![number(30.0)]), (point(0.0, 0.0), vec![number(1.0)])]);
+        let tree = layer(&["prominence_ft"], vec![(two, vec![number(30.0)]), (point(0.0, 0.0), vec![number(1.0)])]);
         let isolation = layer(&[], vec![(Geometry::LineString(line(7.0)), vec![])]);
         let layers = OverlayLayers {
             peaks: Some(&peaks),
@@ -195,6 +218,7 @@ mod tests {
         assert!(overlay.peaks[0].elevation_m.is_nan() && overlay.peaks[1].prominence_m.is_nan());
         assert_eq!(overlay.saddles, [(6.0, 6.0), (5.0, 5.0)], "the known first");
         assert_eq!(overlay.ridges.len(), 2, "a point is no ridge");
+        assert!((overlay.ridges[0].prominence_m - 9.144).abs() < 1e-9, "30 feet");
         assert_eq!(overlay.isolation, [vec![(7.0, 0.0), (7.0, 1.0)]]);
         assert_eq!(OverlayLayers::default().overlay(), Overlay::default());
     }
@@ -206,11 +230,12 @@ mod tests {
         let text = r#"{"type":"FeatureCollection","name":"peaks","features":[{"type":"Feature",
             "properties":{"elevation_m":2865},"geometry":{"type":"Point","coordinates":[9.0,46.0]}}]}"#;
         std::fs::write(&path, text).unwrap();
-        let read = read_overlay(&path, None).unwrap();
+        let read = read_overlay(&path, &["peaks", "saddles"], None).unwrap();
         assert_eq!((read.overlay.peaks.len(), read.unplaced), (1, 0));
+        assert_eq!(read.missing, ["saddles"]);
         assert_eq!(read.overlay.peaks[0].elevation_m, 2865.0);
         std::fs::write(&path, text.replace("\"peaks\"", "\"towns\"")).unwrap();
-        let message = read_overlay(&path, None).unwrap_err().to_string();
+        let message = read_overlay(&path, &["peaks"], None).unwrap_err().to_string();
         assert!(message.contains("it has towns"), "{message}");
     }
 }

@@ -3,16 +3,17 @@
 use super::super::messages::{failure, take_failures};
 use super::dem::{Dem, Extremes};
 use super::source::{NoData, RasterSource, open_dataset};
+use super::strips::{each_strip, strip_bounds};
 use super::suspect::find_sentinel;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{AnyGrid, Elevations, Grid, Key, Sample, SampleType};
 use crate::watch::Watch;
 use gdal::Dataset;
+use gdal::errors::GdalError;
 use gdal::raster::GdalType;
-use std::sync::Mutex;
 
 /// Cells that are read at once, about: a strip's values stay in the cache until they are keys.
-const STRIP_CELLS: usize = 1 << 20;
+pub(super) const STRIP_CELLS: usize = 1 << 20;
 
 impl RasterSource {
     /// Reads the window of the band.
@@ -37,11 +38,7 @@ impl RasterSource {
         })?;
         let extremes = crate::with_grid!(&grid, grid => extremes_of(grid));
         let Some(extremes) = extremes else {
-            return Err(Error::new(
-                ErrorKind::Input,
-                format!("all {} cells are nodata; check --band and --nodata", self.cells()),
-            )
-            .at_path(&self.path));
+            return Err(self.all_void());
         };
         let sentinel = find_sentinel(&grid, &self.elevations, extremes.least, extremes.greatest);
         Ok(Dem {
@@ -54,6 +51,33 @@ impl RasterSource {
             sentinel,
             notes: self.notes.clone(),
         })
+    }
+
+    /// The error of a raster in which nothing but voids was found.
+    pub(super) fn all_void(&self) -> Error {
+        let message = format!("all {} cells are nodata; check --band and --nodata", self.cells());
+        Error::new(ErrorKind::Input, message).at_path(&self.path)
+    }
+
+    fn rows_place(&self, from: usize, rows: usize) -> String {
+        format!("band {}, rows {from} to {}", self.band, from + rows - 1)
+    }
+
+    /// The error of rows that GDAL cannot read.
+    pub(super) fn unreadable(&self, from: usize, rows: usize, error: &GdalError) -> Error {
+        let what = "the cells cannot be read (is the file damaged or cut short?)";
+        failure(ErrorKind::Corrupt, what, &self.path, error).at_place(self.rows_place(from, rows))
+    }
+
+    /// Fails if GDAL complained of rows it has read: some drivers report a block that cannot be read and carry on
+    /// with zeros.
+    pub(super) fn said_nothing(&self, from: usize, rows: usize) -> Result<()> {
+        let said = take_failures();
+        if said.is_empty() {
+            return Ok(());
+        }
+        let message = format!("the cells cannot be read: {}", said.join("; "));
+        Err(Error::new(ErrorKind::Corrupt, message).at_place(self.rows_place(from, rows)))
     }
 
     /// 16-bit values as 16-bit keys, unless one of them would be taken for a void.
@@ -77,54 +101,24 @@ impl RasterSource {
         // Strips begin where blocks do, so that no block is unpacked twice.
         let block = self.block.1.max(1);
         let strip = (STRIP_CELLS / cols.max(1) / block).max(1) * block;
-        let mut bounds = vec![row];
-        while let Some(&from) = bounds.last().filter(|&&from| from < row + rows) {
-            bounds.push(((from / strip + 1) * strip).min(row + rows));
-        }
+        let bounds = strip_bounds(row, row + rows, strip);
         watch.begin(rows as u64);
         let mut rest = cells.as_mut_slice();
         let mut strips = Vec::new();
         for pair in bounds.windows(2) {
-            // In a file whose rows run northwards the first strip of the file is the last of the grid.
             let (lines, tail) = rest.split_at_mut((pair[1] - pair[0]) * cols);
             strips.push((pair[0], lines));
             rest = tail;
         }
-        strips.reverse();
-        let queue = Mutex::new(strips);
-        let failed: Mutex<Option<(usize, Stop)>> = Mutex::new(None);
-        let work = || {
-            let mut dataset = None;
-            loop {
-                let next = queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).pop();
-                let Some((from, lines)) = next else { break };
-                let strip = Strip { source: self, from, col };
-                let done = strip
-                    .read::<T, K>(&mut dataset, lines)
-                    .and_then(|()| Ok(watch.advance((lines.len() / cols) as u64)?));
-                if let Err(stop) = done {
-                    let mut failed = failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                    // Whichever thread fails first, the message is about the first place in the file.
-                    if failed.as_ref().is_none_or(|&(row, _)| from < row) {
-                        *failed = Some((from, stop));
-                    }
-                    break;
-                }
-            }
-        };
-        let threads = rayon::current_num_threads().min(bounds.len() - 1);
-        if threads <= 1 {
-            work();
-        } else {
-            std::thread::scope(|scope| {
-                for _ in 0..threads {
-                    scope.spawn(work);
-                }
-            });
-        }
-        if let Some((_, stop)) = failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-            return Err(stop);
-        }
+        each_strip(
+            strips,
+            || None,
+            |dataset, from, lines| -> std::result::Result<(), Stop> {
+                let steps = (lines.len() / cols) as u64;
+                Strip { source: self, from, col }.read::<T, K>(dataset, lines)?;
+                Ok(watch.advance(steps)?)
+            },
+        )?;
         if self.flips_rows {
             for i in 0..rows / 2 {
                 let (upper, lower) = cells.split_at_mut((rows - 1 - i) * cols);
@@ -172,20 +166,7 @@ impl Strip<'_> {
         let cols = self.source.window[2];
         let size = (cols, lines.len() / cols);
         let window = (self.col as isize, self.from as isize);
-        let wrong = |error: &gdal::errors::GdalError| {
-            failure(
-                ErrorKind::Corrupt,
-                "the cells cannot be read (is the file damaged or cut short?)",
-                &self.source.path,
-                error,
-            )
-            .at_place(format!(
-                "band {}, rows {} to {}",
-                self.source.band,
-                self.from,
-                self.from + size.1 - 1
-            ))
-        };
+        let wrong = |error: &GdalError| self.source.unreadable(self.from, size.1, error);
         let band = dataset.rasterband(self.source.band).map_err(|error| wrong(&error))?;
         values.resize(lines.len(), T::default());
         band.read_into_slice::<T>(window, size, size, values, None).map_err(|error| wrong(&error))?;
@@ -198,14 +179,7 @@ impl Strip<'_> {
                 *key = K::VOID;
             }
         }
-        // Some drivers report a block that cannot be read and carry on with zeros.
-        let said = take_failures();
-        if !said.is_empty() {
-            return Err(Stop::Failed(
-                Error::new(ErrorKind::Corrupt, format!("the cells cannot be read: {}", said.join("; ")))
-                    .at_place(format!("band {}, rows {} to {}", self.source.band, self.from, self.from + size.1 - 1)),
-            ));
-        }
+        self.source.said_nothing(self.from, size.1)?;
         if has_room { Ok(()) } else { Err(Stop::NoRoomForVoid) }
     }
 }

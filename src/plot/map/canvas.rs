@@ -75,6 +75,11 @@ impl Canvas {
         Ok(Self { pixmap })
     }
 
+    /// Width and height.
+    pub(super) fn size(&self) -> (u32, u32) {
+        (self.pixmap.width(), self.pixmap.height())
+    }
+
     /// A sheet from opaque pixels, row by row.
     pub(super) fn from_pixels(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Self> {
         let mut canvas = Self::new(width, height, Ink::WHITE)?;

@@ -7,12 +7,14 @@ use super::graticule::draw_ticks;
 use super::hillshade::{LEVEL, exaggeration, hillshade, slopes};
 use super::legend::{Legend, QUIET, TEXT};
 use super::overlay::Overlay;
-use super::raster::{Relief, stretch};
+use super::raster::{Averaged, Relief};
 use super::scale_bar::ScaleBar;
 use super::symbols::{Drawn, draw_overlay};
 use super::text::{Align, Font, Lettering, grouped};
 use super::tint::Ramp;
+use crate::crs::Crs;
 use crate::error::{Error, Result};
+use crate::grid::GeoTransform;
 use rayon::prelude::*;
 
 /// How a map is to look.
@@ -41,28 +43,82 @@ const WIDTHS: std::ops::RangeInclusive<u32> = 160..=16_384;
 /// How many times as high as wide a map may be.
 const TALLEST: f64 = 2.0;
 
+impl MapOptions {
+    /// Whether a map can be drawn so; drawing starts with this.
+    ///
+    /// # Errors
+    /// A usage error for a width or an exaggeration out of range.
+    pub fn check(&self) -> Result<()> {
+        if !WIDTHS.contains(&self.width_px) {
+            return Err(Error::usage(format!(
+                "a picture cannot be {} pixels wide; ask for {} to {}",
+                self.width_px,
+                WIDTHS.start(),
+                WIDTHS.end()
+            )));
+        }
+        if self.exaggeration.is_some_and(|z| !(z > 0.0 && z.is_finite())) {
+            return Err(Error::usage("the exaggeration of heights must be a positive number"));
+        }
+        Ok(())
+    }
+
+    /// Size of everything but the relief.
+    fn sizes(&self) -> f32 {
+        (self.width_px as f32 / 1600.0).clamp(0.75, 6.0)
+    }
+
+    fn margin(&self) -> f32 {
+        (26.0 * self.sizes()).round()
+    }
+
+    /// Rows and columns of pixels that a raster would take on the map.
+    ///
+    /// # Errors
+    /// See [`Relief::new`] and [`MapOptions::check`].
+    pub fn relief_size(
+        &self,
+        rows: usize,
+        cols: usize,
+        transform: &GeoTransform,
+        crs: Option<&Crs>,
+    ) -> Result<(usize, usize)> {
+        self.check()?;
+        // Its shape is that of a much coarser one at the same place.
+        let (few_rows, few_cols) = (rows.min(512), cols.min(512));
+        let coarser = transform.scaled(rows as f64 / few_rows as f64, cols as f64 / few_cols as f64);
+        let blank = Relief::new(few_rows, few_cols, vec![f32::NAN; few_rows * few_cols], coarser, crs)?;
+        let frame = fitted_frame(&blank, self.width_px as f32 - 2.0 * self.margin());
+        Ok((frame.height as usize, frame.width as usize))
+    }
+}
+
+/// A finished map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The picture as a PNG file.
+    pub png: Vec<u8>,
+    /// Its width and height in pixels.
+    pub size: (u32, u32),
+    /// How many of the peaks lie on the map.
+    pub peaks_there: usize,
+    /// How many of these are drawn.
+    pub peaks_drawn: usize,
+    /// Whether there is anything of the overlay on the map.
+    pub has_overlay: bool,
+}
+
 /// Draws a map as a PNG picture.
 ///
 /// The relief may be larger or smaller than the picture: it is averaged down, or interpolated. Peaks, saddles and
 /// labels that would overlap more prominent ones are left out; a note below the map says how many peaks are shown.
 ///
 /// # Errors
-/// A usage error for a width or an exaggeration out of range; see [`Relief::check`] for the others.
-pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<Vec<u8>> {
+/// See [`MapOptions::check`] and [`Relief::check`].
+pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<Map> {
     relief.check()?;
-    if !WIDTHS.contains(&options.width_px) {
-        return Err(Error::usage(format!(
-            "a picture cannot be {} pixels wide; ask for {} to {}",
-            options.width_px,
-            WIDTHS.start(),
-            WIDTHS.end()
-        )));
-    }
-    if options.exaggeration.is_some_and(|z| !(z > 0.0 && z.is_finite())) {
-        return Err(Error::usage("the exaggeration of heights must be a positive number"));
-    }
-    let s = (options.width_px as f32 / 1600.0).clamp(0.75, 6.0);
-    let margin = (26.0 * s).round();
+    options.check()?;
+    let (s, margin) = (options.sizes(), options.margin());
     let (regular, bold) = (Font::regular(), Font::bold());
 
     let frame = fitted_frame(relief, options.width_px as f32 - 2.0 * margin);
@@ -111,7 +167,13 @@ pub fn draw(relief: &Relief, overlay: &Overlay, options: &MapOptions) -> Result<
         let source = small.fitted(source, inner - small.width(&note) - 20.0 * s);
         small.write(&mut page, &source, (margin, source_line), Align::Left);
     }
-    page.png()
+    Ok(Map {
+        png: page.png()?,
+        size: page.size(),
+        peaks_there: drawn.peaks_there,
+        peaks_drawn: drawn.peaks.iter().sum(),
+        has_overlay: drawn.peaks_there > 0 || drawn.ridges || drawn.saddles || drawn.isolation,
+    })
 }
 
 /// The frame that shows the relief in its true shape, as wide as there is room unless it would be too tall.
@@ -134,21 +196,18 @@ struct Tints {
 fn drawn_relief(relief: &Relief, frame: &Frame, options: &MapOptions) -> Result<(Canvas, Tints)> {
     let (height, width) = (frame.height as usize, frame.width as usize);
     let averaged = relief.averaged(height, width, options.sea_level_m);
-    let slopes = slopes(&averaged);
-    let times = options.exaggeration.map_or_else(|| exaggeration(&slopes), |z| z as f32);
-    let shade = hillshade(&slopes, times);
     // A regular sample ranks as well as all cells do; an odd step meets every column sooner or later.
     let stride = (averaged.elevation_m.len() / 200_000).max(1) | 1;
     let sample = averaged.elevation_m.iter().copied().zip(averaged.sea.iter().copied()).step_by(stride);
-    let ramp = Ramp::fit(sample);
+    let ramp = Ramp::fit(sample, options.sea_level_m.unwrap_or(0.0) as f32);
     let known = averaged.valid.iter().map(|&v| f64::from(v)).sum::<f64>() / averaged.valid.len() as f64;
     let is_land = averaged.elevation_m.iter().zip(&averaged.sea).any(|(e, sea)| e.is_finite() && *sea < 0.5);
-
-    let (from, to) = ((averaged.rows, averaged.cols), (height, width));
-    let elevation_m = stretch(&averaged.elevation_m, from, to);
-    let shade = stretch(&shade, from, to);
-    let sea = stretch(&averaged.sea, from, to);
-    let valid = stretch(&averaged.valid, from, to);
+    // Enlarged first and shaded then: light that is enlarged looks out of focus.
+    let relief = averaged.enlarged(height, width);
+    let slopes = slopes(&relief);
+    let times = options.exaggeration.map_or_else(|| exaggeration(&slopes), |z| z as f32);
+    let shade = hillshade(&slopes, times);
+    let Averaged { elevation_m, sea, valid, .. } = relief;
     let pixels: Vec<[u8; 3]> = (0..height * width)
         .into_par_iter()
         .map(|i| ramp.shaded(elevation_m[i], if shade[i].is_nan() { LEVEL } else { shade[i] }, sea[i], valid[i]))
@@ -175,7 +234,6 @@ fn peaks_note(drawn: &Drawn) -> Option<String> {
 mod tests {
     use super::*;
     use crate::error::ErrorKind;
-    use crate::grid::GeoTransform;
     use crate::plot::map::{PeakMark, Ridge};
 
     fn hills(rows: usize, cols: usize) -> Relief {
@@ -205,7 +263,11 @@ mod tests {
         Overlay {
             peaks: vec![peak(700.0, 900.0, 300.0), peak(3000.0, 2000.0, f64::NAN), peak(-1e9, 0.0, 5.0)],
             saddles: vec![(501_500.0, 5_198_800.0), (f64::INFINITY, 0.0)],
-            ridges: vec![Ridge { path: vec![(500_700.0, 5_199_100.0), (503_000.0, 5_198_000.0)], prominence_m: 90.0 }],
+            ridges: vec![Ridge {
+                path: vec![(500_700.0, 5_199_100.0), (503_000.0, 5_198_000.0)],
+                prominence_m: 90.0,
+                carried_m: 90.0,
+            }],
             isolation: vec![vec![(500_700.0, 5_199_100.0), (1e12, 5_198_000.0)]],
         }
     }
@@ -219,24 +281,27 @@ mod tests {
             source: Some("made up".into()),
             ..MapOptions::default()
         };
-        let png = draw(&relief, &overlay(), &options).unwrap();
-        let (width, height, pixels) = decoded(&png);
-        assert_eq!(width, 400);
+        let map = draw(&relief, &overlay(), &options).unwrap();
+        let (width, height, pixels) = decoded(&map.png);
+        assert_eq!((width, (width, height)), (400, map.size));
+        assert_eq!((map.peaks_there, map.peaks_drawn, map.has_overlay), (2, 2, true));
         assert!(height > 280 && height < 480, "{height}");
         assert!(pixels.iter().any(|&p| p < 60), "something dark was drawn");
-        assert_eq!(draw(&relief, &overlay(), &options).unwrap(), png);
+        assert_eq!(draw(&relief, &overlay(), &options).unwrap(), map);
+        let (rows, cols) = options.relief_size(60, 80, &relief.transform, None).unwrap();
+        assert_eq!((rows, cols), (270, 360), "the width without its margins");
     }
 
     #[test]
     fn any_shape_of_relief_can_be_drawn() {
         let options = MapOptions { width_px: 200, ..MapOptions::default() };
         for (rows, cols) in [(1, 1), (1, 500), (500, 1), (3, 2), (700, 600)] {
-            let png = draw(&hills(rows, cols), &Overlay::default(), &options).unwrap();
-            assert_eq!(decoded(&png).0, 200, "{rows} x {cols}");
+            let map = draw(&hills(rows, cols), &Overlay::default(), &options).unwrap();
+            assert_eq!(decoded(&map.png).0, 200, "{rows} x {cols}");
         }
         let mut nothing = hills(20, 20);
         nothing.elevation_m.fill(f32::NAN);
-        let (_, _, pixels) = decoded(&draw(&nothing, &overlay(), &options).unwrap());
+        let (_, _, pixels) = decoded(&draw(&nothing, &overlay(), &options).unwrap().png);
         assert!(!pixels.is_empty());
         nothing.elevation_m.fill(12.5);
         draw(&nothing, &overlay(), &options).unwrap();

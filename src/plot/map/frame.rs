@@ -15,6 +15,9 @@ pub(super) struct Frame {
     range_x: (f64, f64),
     /// Range of y on the map.
     range_y: (f64, f64),
+    /// Width and height in pixels of the rim in which the relief's outermost cells have their centres; where it
+    /// comes back to itself eastwards there is none at its sides.
+    rim: (f64, f64),
 }
 
 /// A point on the map in pixels.
@@ -29,14 +32,20 @@ impl Frame {
         let (rows, cols) = (relief.rows as f64, relief.cols as f64);
         let corners = [(0.0, 0.0), (0.0, cols), (rows, 0.0), (rows, cols)];
         let corners = corners.map(|(row, col)| relief.transform.centre(row - 0.5, col - 0.5));
+        let scale = (f64::from(width) / cols, f64::from(height) / rows);
+        let period_x = relief.period_x.filter(|p| *p > 0.0 && p.is_finite());
+        let range_x = range(corners.map(|c| c.0));
+        let is_round = period_x.is_some_and(|period| range_x.1 - range_x.0 > period * (1.0 - 0.5 / cols));
+        let rim = |scale: f64| (0.75 * scale).max(1.0);
         Self {
             transform: relief.transform,
-            scale: (f64::from(width) / cols, f64::from(height) / rows),
+            scale,
             width,
             height,
-            period_x: relief.period_x.filter(|p| *p > 0.0 && p.is_finite()),
-            range_x: range(corners.map(|c| c.0)),
+            period_x,
+            range_x,
             range_y: range(corners.map(|c| c.1)),
+            rim: (if is_round { f64::NEG_INFINITY } else { rim(scale.0) }, rim(scale.1)),
         }
     }
 
@@ -83,6 +92,36 @@ impl Frame {
             let inside = (0.0..=f64::from(self.width)).contains(&px) && (0.0..=f64::from(self.height)).contains(&py);
             inside.then_some((px as f32, py as f32))
         })
+    }
+
+    /// At which sides of the map a pixel lies on the centres of the outermost cells.
+    fn sides(&self, (x, y): (f64, f64)) -> [bool; 4] {
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        [x < self.rim.0, width - x < self.rim.0, y < self.rim.1, height - y < self.rim.1]
+    }
+
+    /// Whether a pixel on the map is where the relief was cut off.
+    pub(super) fn is_on_rim(&self, (x, y): Pixel) -> bool {
+        self.sides((f64::from(x), f64::from(y))).contains(&true)
+    }
+
+    /// The parts of a line but those that run along the outermost cells: there the relief was cut, and no ridge is.
+    pub(super) fn line_within(&self, path: &[(f64, f64)]) -> Vec<Vec<Pixel>> {
+        let is_along = |w: &[Pixel]| {
+            let [a, b] = [w[0], w[1]].map(|(x, y)| self.sides((f64::from(x), f64::from(y))));
+            a.iter().zip(&b).any(|(a, b)| *a && *b)
+        };
+        let mut parts = Vec::new();
+        for line in self.line(path) {
+            let mut rest = line.as_slice();
+            while let Some(end) = rest.windows(2).position(is_along) {
+                let part = &rest[..=end];
+                parts.extend((part.len() > 1).then(|| part.to_vec()));
+                rest = &rest[end + 1..];
+            }
+            parts.extend((rest.len() > 1).then(|| rest.to_vec()));
+        }
+        parts
     }
 
     /// The parts of a line that lie on the map, or just beyond its edge.
@@ -269,6 +308,18 @@ mod tests {
         let broken = [(0.0, 0.0), (5.0, 0.0), (f64::NAN, 0.0), (7.0, 0.0), (9.0, 0.0)];
         assert_eq!(frame.line(&broken).len(), 2);
         assert!(frame.line(&[]).is_empty() && frame.line(&[(0.0, 0.0)]).is_empty());
+    }
+
+    #[test]
+    fn lines_along_the_cut_are_left_out() {
+        let relief = Relief::new(10, 10, vec![0.0; 100], GeoTransform::PIXELS, None).unwrap();
+        let frame = Frame::new(&relief, 100, 100);
+        let path = [(4.5, -4.5), (4.5, -0.5), (6.5, -0.5), (9.5, -0.5), (9.5, -3.5), (7.5, -3.5)];
+        let parts = frame.line_within(&path);
+        assert_eq!(parts, [vec![(45.0, 45.0), (45.0, 5.0)], vec![(95.0, 35.0), (75.0, 35.0)]]);
+        assert!(frame.is_on_rim((45.0, 5.0)) && !frame.is_on_rim((45.0, 15.0)));
+        let world = world();
+        assert!(!world.is_on_rim((0.5, 90.0)) && world.is_on_rim((0.5, 3.0)), "only the poles");
     }
 
     #[test]

@@ -66,11 +66,6 @@ impl Room {
         Self { bounds, taken: HashMap::new() }
     }
 
-    /// The bounds.
-    pub(super) fn bounds(&self) -> Area {
-        self.bounds
-    }
-
     /// Whether an area lies within the bounds and overlaps nothing that is taken.
     pub(super) fn is_free(&self, area: &Area) -> bool {
         self.bounds.holds(area)

@@ -6,18 +6,20 @@
 mod canvas;
 mod classes;
 mod draw;
+mod enlarge;
 mod frame;
 mod graticule;
 mod hillshade;
 mod labels;
 mod legend;
 mod overlay;
+mod placement;
 mod raster;
 mod scale_bar;
 mod symbols;
 mod text;
 mod tint;
 
-pub use draw::{MapOptions, draw};
+pub use draw::{Map, MapOptions, draw};
 pub use overlay::{Overlay, PeakMark, Ridge};
 pub use raster::Relief;

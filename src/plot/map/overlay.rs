@@ -20,8 +20,10 @@ pub struct PeakMark {
 pub struct Ridge {
     /// Its vertices; a line that crosses the antimeridian may jump or run on beyond 180 degrees.
     pub path: Vec<(f64, f64)>,
-    /// Prominence in metres of the peak that ends at its saddle; decides the width.
+    /// Prominence in metres of the peak that ends at its saddle: how deep the line dips.
     pub prominence_m: f64,
+    /// Greatest prominence in metres of the peaks that the line joins to the highest; decides the width.
+    pub carried_m: f64,
 }
 
 /// Everything that is drawn on the relief; each part may be empty.

@@ -222,50 +222,6 @@ pub(super) struct Averaged {
     pub(super) cell_y_m: f64,
 }
 
-/// Interpolates bilinearly between cell centres, from `from` to `to` rows and columns; the weights of cells without
-/// a finite value go to their neighbours.
-pub(super) fn stretch(plane: &[f32], from: (usize, usize), to: (usize, usize)) -> Vec<f32> {
-    if from == to {
-        return plane.to_vec();
-    }
-    // A relief without voids or without sea has planes of one value.
-    if let Some(&first) = plane.first().filter(|first| plane.iter().all(|value| value == *first)) {
-        return vec![first; to.0 * to.1];
-    }
-    let steps = |from: usize, to: usize| -> Vec<(usize, usize, f32)> {
-        (0..to)
-            .map(|i| {
-                let at = ((i as f64 + 0.5) * from as f64 / to as f64 - 0.5).clamp(0.0, (from - 1) as f64);
-                let low = at.floor();
-                (low as usize, (low as usize + 1).min(from - 1), (at - low) as f32)
-            })
-            .collect()
-    };
-    let (down, across) = (steps(from.0, to.0), steps(from.1, to.1));
-    let mut out = vec![f32::NAN; to.0 * to.1];
-    out.par_chunks_mut(to.1).zip(&down).for_each(|(line, &(r0, r1, fr))| {
-        for (cell, &(c0, c1, fc)) in line.iter_mut().zip(&across) {
-            let corners = [
-                (plane[r0 * from.1 + c0], (1.0 - fr) * (1.0 - fc)),
-                (plane[r0 * from.1 + c1], (1.0 - fr) * fc),
-                (plane[r1 * from.1 + c0], fr * (1.0 - fc)),
-                (plane[r1 * from.1 + c1], fr * fc),
-            ];
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for (value, weight) in corners {
-                if value.is_finite() {
-                    sum += value * weight;
-                    weights += weight;
-                }
-            }
-            if weights > 0.0 {
-                *cell = sum / weights;
-            }
-        }
-    });
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -290,18 +246,6 @@ mod tests {
         assert_eq!((coarse.elevation_m[0], coarse.valid[0], coarse.sea[0]), (3.0, 0.5, 0.5));
         let void = relief(2, 2, vec![f32::NAN; 4]).averaged(1, 1, None);
         assert!(void.elevation_m[0].is_nan() && void.valid[0] == 0.0);
-    }
-
-    #[test]
-    fn stretching_keeps_a_plane_and_its_voids() {
-        let plane: Vec<f32> = (0..4).flat_map(|r| (0..4).map(move |c| (r * 10 + c) as f32)).collect();
-        let out = stretch(&plane, (4, 4), (16, 16));
-        // Between the centres of the outer cells the plane is met exactly.
-        let at = |r: f64, c: f64| ((r + 0.5) / 4.0 - 0.5) * 10.0 + (c + 0.5) / 4.0 - 0.5;
-        assert!((f64::from(out[6 * 16 + 9]) - at(6.0, 9.0)).abs() < 1e-4);
-        let hole = stretch(&[1.0, f32::NAN, f32::NAN, f32::NAN], (2, 2), (8, 8));
-        assert_eq!(hole[0], 1.0);
-        assert!(hole[63].is_nan());
     }
 
     #[test]

@@ -32,6 +32,8 @@ pub(super) struct Ramp {
     pub(super) low_m: f32,
     /// Elevation of the highest colour, in metres.
     pub(super) high_m: f32,
+    /// Elevation of the shore, in metres.
+    pub(super) shore_m: f32,
     /// Depth of the darkest sea below the shore, in metres.
     pub(super) deep_m: f32,
 }
@@ -40,19 +42,19 @@ impl Ramp {
     /// The ramp over the middle 98 % of the elevations on land, widened to round numbers.
     ///
     /// `cells` yields elevations in metres with the share of each that is sea; voids are left out.
-    pub(super) fn fit(cells: impl Iterator<Item = (f32, f32)>) -> Self {
+    pub(super) fn fit(cells: impl Iterator<Item = (f32, f32)>, shore_m: f32) -> Self {
         let (mut land, mut sea) = (Vec::new(), Vec::new());
         for (elevation_m, share) in cells.filter(|cell| cell.0.is_finite()) {
             if share < 0.5 { land.push(elevation_m) } else { sea.push(elevation_m) }
         }
-        let deep_m = rank(&mut sea, 0.02).map_or(1.0, |m| (-m).max(1.0));
+        let deep_m = rank(&mut sea, 0.02).map_or(1.0, |m| (shore_m - m).max(1.0));
         let (Some(low), Some(high)) = (rank(&mut land, 0.01), rank(&mut land, 0.99)) else {
-            return Self { low_m: 0.0, high_m: 1.0, deep_m };
+            return Self { low_m: 0.0, high_m: 1.0, shore_m, deep_m };
         };
         let step = round_step(f64::from(high - low) / 12.0) as f32;
         let low_m = (low / step).floor() * step;
         let high_m = ((high / step).ceil() * step).max(low_m + step);
-        Self { low_m, high_m, deep_m }
+        Self { low_m, high_m, shore_m, deep_m }
     }
 
     /// The colour of a height without light or shadow.
@@ -68,7 +70,7 @@ impl Ramp {
         }
         let mut colour = lit(self.colour(elevation_m), brightness, 1.0);
         if sea > 0.0 {
-            let depth = (-elevation_m / self.deep_m).clamp(0.0, 1.0).sqrt();
+            let depth = ((self.shore_m - elevation_m) / self.deep_m).clamp(0.0, 1.0).sqrt();
             // The sea is a background: its floor shows, but only just.
             colour = mix(colour, lit(mix(SHORE, DEEP, depth), brightness, 0.3), sea);
         }
@@ -100,7 +102,8 @@ fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 }
 
 fn to_byte(value: f32) -> u8 {
-    value.round().clamp(0.0, 255.0) as u8
+    // The cast keeps to the range of a byte.
+    (value + 0.5) as u8
 }
 
 /// The value below which the share `part` of the values lies.
@@ -144,17 +147,17 @@ mod tests {
 
     #[test]
     fn fitted_to_round_numbers() {
-        let ramp = Ramp::fit((0..1000).map(|i| (553.0 + i as f32 * 2.7, 0.0)));
+        let ramp = Ramp::fit((0..1000).map(|i| (553.0 + i as f32 * 2.7, 0.0)), 0.0);
         assert_eq!((ramp.low_m, ramp.high_m), (500.0, 3500.0));
-        let flat = Ramp::fit(std::iter::repeat_n((12.0, 0.0), 9));
+        let flat = Ramp::fit(std::iter::repeat_n((12.0, 0.0), 9), 0.0);
         assert!(flat.high_m > flat.low_m && flat.colour(12.0).iter().all(|c| c.is_finite()));
-        let nothing = Ramp::fit(std::iter::empty());
+        let nothing = Ramp::fit(std::iter::empty(), 0.0);
         assert!(nothing.high_m > nothing.low_m);
     }
 
     #[test]
     fn voids_are_neutral_and_the_sea_is_no_land() {
-        let ramp = Ramp { low_m: 0.0, high_m: 1000.0, deep_m: 100.0 };
+        let ramp = Ramp { low_m: 0.0, high_m: 1000.0, shore_m: 0.0, deep_m: 100.0 };
         let void = ramp.shaded(f32::NAN, 0.9, 0.0, 0.0);
         assert_eq!(void, [VOID.0[0], VOID.0[1], VOID.0[2]]);
         assert!(void.iter().max().unwrap() - void.iter().min().unwrap() <= 4, "grey");
@@ -165,7 +168,7 @@ mod tests {
 
     #[test]
     fn shadow_darkens_and_light_lightens() {
-        let ramp = Ramp { low_m: 0.0, high_m: 1000.0, deep_m: 1.0 };
+        let ramp = Ramp { low_m: 0.0, high_m: 1000.0, shore_m: 0.0, deep_m: 1.0 };
         let at = |b: f32| luminance(ramp.shaded(300.0, b, 0.0, 1.0).map(f32::from));
         assert!(at(0.0) < at(0.3) && at(0.3) < at(LEVEL) && at(LEVEL) < at(1.0));
     }
