@@ -1,6 +1,7 @@
 //! How long work tells how far it is, and learns that nobody wants it any more.
 
 use crate::error::{Error, Result};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Progress and cancellation of one job; shared by all its threads.
@@ -11,12 +12,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 pub struct Watch {
     done: AtomicU64,
     total: AtomicU64,
+    stage: Mutex<&'static str>,
     cancelled: AtomicBool,
 }
 
 impl Watch {
-    /// Starts a stage of `total` steps.
-    pub fn begin(&self, total: u64) {
+    /// Starts a stage of `total` steps; `stage` says in a word or two what is done in it.
+    pub fn begin(&self, stage: &'static str, total: u64) {
+        *self.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = stage;
         self.total.store(total, Ordering::Relaxed);
         self.done.store(0, Ordering::Relaxed);
     }
@@ -41,6 +44,11 @@ impl Watch {
     /// Asks the job to end soon.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// What the stage under way does.
+    pub fn stage(&self) -> &'static str {
+        *self.stage.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
     /// Steps done and steps in all, of the stage under way.

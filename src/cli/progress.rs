@@ -58,29 +58,27 @@ fn show(watch: &Watch, over: &AtomicBool) {
 
 fn show_bar(watch: &Watch, over: &AtomicBool) {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} [{bar:40}] {percent}%") {
+    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} [{bar:40}] {percent:>3}% {msg}") {
         bar.set_style(style.progress_chars("=> "));
     }
     while !over.load(Ordering::Relaxed) {
         let (done, total) = watch.done();
         bar.set_length(total.max(1));
         bar.set_position(done);
+        bar.set_message(watch.stage());
         thread::park_timeout(Duration::from_millis(100));
     }
     bar.finish_and_clear();
 }
 
 fn show_lines(watch: &Watch, over: &AtomicBool) {
-    let mut last = 0;
+    let mut last = ("", 0);
     while !over.load(Ordering::Relaxed) {
         let (done, total) = watch.done();
-        let tenth = done * 10 / total.max(1);
-        if tenth != last {
-            // A new stage begins at the bottom again.
-            if tenth > 0 {
-                eprintln!("{}%", tenth * 10);
-            }
-            last = tenth;
+        let now = (watch.stage(), (done * 10 / total.max(1)).min(10));
+        if now != last && now.1 > 0 {
+            eprintln!("{}: {}%", now.0, now.1 * 10);
+            last = now;
         }
         thread::park_timeout(Duration::from_millis(200));
     }

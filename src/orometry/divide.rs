@@ -76,7 +76,7 @@ impl<K: Key> DivideForest<K> {
     /// When interrupted, or when the raster has more than 2^32 - 2 peaks.
     pub(super) fn grow(grid: &Grid<K>, nodata_is_sea: bool, side: usize, watch: &Watch) -> Result<Self> {
         let tiles = Tile::all(grid.rows(), grid.cols(), side);
-        watch.begin(tiles.len() as u64);
+        watch.begin("joining basins", tiles.len() as u64);
         let mut work: Vec<TileWork<K>> = tiles
             .into_par_iter()
             .map_init(

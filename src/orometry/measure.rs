@@ -133,7 +133,7 @@ fn measure_peaks<K: Key, M: Metric + ?Sized>(
     ids: &[u32],
     watch: &Watch,
 ) -> Result<Vec<Peak>> {
-    watch.begin(pruned.len() as u64);
+    watch.begin("measuring peaks", pruned.len() as u64);
     let isolations = options.isolation.then(|| Isolations::new(grid, metric, options.nodata_is_sea));
     let measured: Vec<Vec<Peak>> = pruned
         .par_chunks(BATCH)

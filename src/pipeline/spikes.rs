@@ -11,20 +11,15 @@ pub(super) struct Spike {
     pub(super) row: usize,
     /// Column of the cell.
     pub(super) col: usize,
-    /// Its elevation in metres.
-    pub(super) elevation_m: f64,
+    /// The value stored there.
+    pub(super) value: f64,
     /// Height above its topmost neighbour in metres.
     pub(super) drop_m: f64,
 }
 
-/// Height above all neighbours that no summit has from one cell to the next, in metres.
-const IMPLAUSIBLE_M: f64 = 1000.0;
-
-/// Height from which a slope of more than [`STEEP`] to every neighbour is suspect, in metres.
-const TALL_M: f64 = 100.0;
-
-/// Rise over run.
-const STEEP: f64 = 4.0;
+/// Rise over run, and height in metres, from which both on a drop to every neighbour is suspect: a needle, or a cell
+/// far above what summits of coarse rasters have.
+const SUSPECT: [(f64, f64); 2] = [(4.0, 100.0), (0.5, 1000.0)];
 
 /// Finds the peaks that drop implausibly to every one of their neighbours.
 pub(super) fn find(dem: &Dem, metric: &impl Metric, peaks: &[Peak]) -> Vec<Spike> {
@@ -35,11 +30,13 @@ pub(super) fn find(dem: &Dem, metric: &impl Metric, peaks: &[Peak]) -> Vec<Spike
             let key = |cell| crate::grid::Key::to_i64(grid.key(cell));
             let drop_m = dem.elevations.height_m(key(peak.cell), key(top));
             // Measured only where it may matter.
-            let is_suspect = drop_m > IMPLAUSIBLE_M || (drop_m > TALL_M && {
+            let is_suspect = drop_m > SUSPECT[0].1 && {
                 let (r, c) = grid.place(top);
-                drop_m > STEEP * metric.distance_m((row as i64, col as i64), (r as i64, c as i64))
-            });
-            is_suspect.then_some(Spike { row, col, elevation_m: peak.elevation_m, drop_m })
+                let run_m = metric.distance_m((row as i64, col as i64), (r as i64, c as i64));
+                SUSPECT.iter().any(|&(slope, tall_m)| drop_m > tall_m && drop_m > slope * run_m)
+            };
+            let value = dem.elevations.value(key(peak.cell));
+            is_suspect.then_some(Spike { row, col, value, drop_m })
         };
         peaks.iter().filter_map(spike_at).collect()
     })

@@ -97,13 +97,14 @@ impl Surveying<'_> {
     }
 
     fn warn_of_result(&self, dem: &Dem, metric: &AnyMetric<'_>, found: &Survey, note: &mut dyn FnMut(String)) {
-        let spikes = spikes::find(dem, metric, &found.peaks);
+        // Beside cells of an undeclared sentinel everything stands out; that was said already.
+        let spikes = if dem.sentinel.is_some() { Vec::new() } else { spikes::find(dem, metric, &found.peaks) };
         if let Some(first) = spikes.first() {
             let others = if spikes.len() > 1 { format!(" (and {} more)", spikes.len() - 1) } else { String::new() };
             note(format!(
-                "the cell at row {}, column {}{others} stands {:.0} m above all its neighbours, which looks like a fault of the data; \
-                 if its value {} means nodata, give --nodata, else mend the DEM: nothing is removed here",
-                first.row, first.col, first.drop_m, first.elevation_m
+                "the cell at row {}, column {}{others} stands {:.0} m above all its neighbours, which looks like a fault of the data: \
+                 mend the DEM, or give --nodata {} if that value means nodata; nothing is removed here",
+                first.row, first.col, first.drop_m, first.value
             ));
         }
         let certain = found.peaks.iter().filter(|peak| peak.prominence_certain).count();

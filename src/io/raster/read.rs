@@ -102,7 +102,7 @@ impl RasterSource {
         let block = self.block.1.max(1);
         let strip = (STRIP_CELLS / cols.max(1) / block).max(1) * block;
         let bounds = strip_bounds(row, row + rows, strip);
-        watch.begin(rows as u64);
+        watch.begin("reading", rows as u64);
         let mut rest = cells.as_mut_slice();
         let mut strips = Vec::new();
         for pair in bounds.windows(2) {

@@ -57,7 +57,7 @@ impl RasterSource {
         let bounds = strip_bounds(first, end, (lines / level.block).max(1) * level.block);
         let strips: Vec<(usize, (usize, usize))> =
             bounds.windows(2).enumerate().map(|(i, pair)| (pair[0], (i, pair[1] - pair[0]))).collect();
-        watch.begin((end - first) as u64);
+        watch.begin("reading", (end - first) as u64);
         let parts: Mutex<Vec<Option<Part>>> = Mutex::new(strips.iter().map(|_| None).collect());
         each_strip(strips, Scratch::<T>::default, |scratch, from, (i, lines)| {
             let part = self.read_part(&level, scratch, from, lines)?;

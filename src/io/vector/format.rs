@@ -81,7 +81,7 @@ impl Writer {
         metadata: &[(String, String)],
         watch: &Watch,
     ) -> Result<()> {
-        watch.begin(layers.iter().map(|layer| layer.rows() as u64).sum());
+        watch.begin("writing", layers.iter().map(|layer| layer.rows() as u64).sum());
         match self.format {
             Format::GeoPackage => ogr::write(&self.outputs[0], "GPKG", layers, crs, metadata, watch)?,
             Format::Csv => {

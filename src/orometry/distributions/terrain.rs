@@ -72,7 +72,7 @@ fn measure<K: Key>(
     sets: &[CellSet],
     watch: &Watch,
 ) -> Result<Vec<Terrain>> {
-    watch.begin(grid.rows() as u64);
+    watch.begin("measuring terrain", grid.rows() as u64);
     // A few chunks for each thread at a time: the partial sums stay few however large the raster is.
     let batch = CHUNK_ROWS * 4 * rayon::current_num_threads();
     let mut sums = vec![Sums::default(); sets.len()];
