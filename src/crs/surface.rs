@@ -24,6 +24,8 @@ pub struct Surface<'a> {
     to_geographic: &'a dyn ToGeographic,
     /// Boxes (least and greatest of the three coordinates in metres), finest level first, each level half as wide.
     levels: Vec<Level>,
+    /// The cells just outside of the raster with their places in space; those that have none are left out.
+    frame: Vec<(Place, [f64; 3])>,
     rows: i64,
     cols: i64,
 }
@@ -52,6 +54,7 @@ impl<'a> Surface<'a> {
             solver: ellipsoid.geodesics(),
             to_geographic,
             levels: vec![],
+            frame: vec![],
             rows,
             cols,
         };
@@ -67,6 +70,7 @@ impl<'a> Surface<'a> {
             }
         }
         surface.levels.push(Level { cols: block_cols, boxes });
+        surface.frame = surface.frame_in_space();
         let (mut r, mut c) = (block_rows, block_cols);
         while r > 1 || c > 1 {
             let (nr, nc) = ((r + 1) / 2, (c + 1) / 2);
@@ -88,6 +92,15 @@ impl<'a> Surface<'a> {
             places.iter().map(|p| self.transform.centre(p.0 as f64, p.1 as f64)).unzip();
         self.to_geographic.to_geographic(&mut x, &mut y);
         (x, y)
+    }
+
+    fn frame_in_space(&self) -> Vec<(Place, [f64; 3])> {
+        let (rows, cols) = (self.rows, self.cols);
+        let ends = (-1..=cols).flat_map(|col| [(-1, col), (rows, col)]);
+        let places: Vec<Place> = ends.chain((0..rows).flat_map(|row| [(row, -1), (row, cols)])).collect();
+        let (lon, lat) = self.geographic(&places);
+        let in_space = |(place, (lon, lat)): (Place, (f64, f64))| (place, self.ellipsoid.in_space(lon, lat));
+        places.into_iter().zip(lon.into_iter().zip(lat)).filter(|(_, (_, lat))| !lat.is_nan()).map(in_space).collect()
     }
 
     fn in_space(&self, p: Place) -> [f64; 3] {
@@ -184,23 +197,13 @@ impl Metric for Surface<'_> {
     }
 
     fn outside_m(&self, p: Place, rows: i64, cols: i64, limit_m: f64) -> Option<f64> {
-        // The frame of cells just outside; a projection that is not broken has its nearest outer place there.
-        let frame = (-1..=rows).flat_map(|row| {
-            let step = if row == -1 || row == rows { 1 } else { (cols + 1) as usize };
-            (-1..=cols).step_by(step.max(1)).map(move |col| (row, col))
-        });
-        let limit2 = limit_m * limit_m * SLACK;
-        let places: Vec<Place> = frame.collect();
+        // A projection that is not broken has its nearest outer place in the frame.
+        debug_assert_eq!((rows, cols), (self.rows, self.cols), "the frame is that of the raster");
         let here = self.in_space(p);
-        let (lon, lat) = self.geographic(&places);
         let mut best = limit_m;
-        for (i, place) in places.iter().enumerate() {
-            if lat[i].is_nan() {
-                continue;
-            }
-            let there = self.ellipsoid.in_space(lon[i], lat[i]);
+        for (place, there) in &self.frame {
             let near2: f64 = (0..3).map(|k| (here[k] - there[k]).powi(2)).sum();
-            if near2 <= limit2.min(best * best * SLACK) {
+            if near2 <= best * best * SLACK {
                 best = best.min(self.distance_m(p, *place));
             }
         }

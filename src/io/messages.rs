@@ -2,21 +2,26 @@
 
 use crate::error::{Error, ErrorKind};
 use gdal::errors::{CplErrType, GdalError};
+use std::cell::RefCell;
 use std::path::Path;
-use std::sync::{Mutex, Once};
+use std::sync::Once;
 
-static MESSAGES: Mutex<Vec<(CplErrType, String)>> = Mutex::new(Vec::new());
+thread_local! {
+    /// GDAL calls its handler on the thread that met the error, which is the one that asks.
+    static MESSAGES: RefCell<Vec<(CplErrType, String)>> = const { RefCell::new(Vec::new()) };
+}
 static QUIET: Once = Once::new();
 
 /// Keeps GDAL from printing, and fixes the options that every use of it here relies on. Call it before any other.
 pub fn quiet() {
     QUIET.call_once(|| {
         gdal::config::set_error_handler(|kind, _, message| {
-            let mut messages = MESSAGES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            // A damaged file may complain about each of its blocks.
-            if messages.len() < 100 && !matches!(kind, CplErrType::None | CplErrType::Debug) {
-                messages.push((kind, message.trim().to_string()));
-            }
+            MESSAGES.with_borrow_mut(|messages| {
+                // A damaged file may complain about each of its blocks.
+                if messages.len() < 100 && !matches!(kind, CplErrType::None | CplErrType::Debug) {
+                    messages.push((kind, message.trim().to_string()));
+                }
+            });
         });
         for (key, value) in [
             ("OSR_WKT_FORMAT", "WKT2_2019"),
@@ -42,14 +47,12 @@ pub fn versions() -> (String, String) {
     (gdal::version::version_info("RELEASE_NAME"), format!("{major}.{minor}.{patch}"))
 }
 
-/// The failures that GDAL has reported since the last call, most important first; its warnings are dropped.
+/// The failures that GDAL has reported on this thread since the last call, most important first; its warnings are dropped.
 pub fn take_failures() -> Vec<String> {
-    let mut messages = MESSAGES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let failures = messages
-        .drain(..)
-        .filter(|(kind, _)| matches!(kind, CplErrType::Failure | CplErrType::Fatal))
-        .map(|(_, message)| message);
-    let mut failures: Vec<String> = failures.collect();
+    let said = MESSAGES.take();
+    let is_failure = |kind: &CplErrType| matches!(kind, CplErrType::Failure | CplErrType::Fatal);
+    let mut failures: Vec<String> =
+        said.into_iter().filter(|(kind, _)| is_failure(kind)).map(|(_, message)| message).collect();
     failures.dedup();
     failures
 }

@@ -31,8 +31,12 @@ pub(super) fn find(dem: &Dem, metric: &impl Metric, peaks: &[Peak]) -> Vec<Spike
             let drop_m = dem.elevations.height_m(key(peak.cell), key(top));
             // Measured only where it may matter.
             let is_suspect = drop_m > SUSPECT[0].1 && {
-                let (r, c) = grid.place(top);
-                let run_m = metric.distance_m((row as i64, col as i64), (r as i64, c as i64));
+                // The furthest neighbour: next to a pole those in the same row are hardly apart.
+                let run_m = grid
+                    .neighbours(peak.cell)
+                    .map(|(_, n)| grid.place(n))
+                    .map(|(r, c)| metric.distance_m((row as i64, col as i64), (r as i64, c as i64)))
+                    .fold(0.0, f64::max);
                 SUSPECT.iter().any(|&(slope, tall_m)| drop_m > tall_m && drop_m > slope * run_m)
             };
             let value = dem.elevations.value(key(peak.cell));
