@@ -82,8 +82,11 @@ impl<K: Key> DivideForest<K> {
             .map_init(
                 || Scanner::new(grid, nodata_is_sea),
                 |scanner, tile| {
-                    let scan = scanner.scan(tile);
+                    let mut scan = scanner.scan(tile);
                     let forest = sweep_tile(&scan);
+                    scan.passes = Vec::new();
+                    scan.cells.shrink_to_fit();
+                    scan.keys.shrink_to_fit();
                     watch.advance(1)?;
                     Ok(TileWork { tile, scan, forest, base: 0 })
                 },
@@ -239,8 +242,7 @@ fn events_of<K: Key>(grid: &Grid<K>, work: &[TileWork<K>], portals: &Portals) ->
     let mut events =
         Vec::with_capacity(work.iter().map(|tile| tile.forest.candidates.len() + tile.scan.frontier.len()).sum());
     for (t, tile) in work.iter().enumerate() {
-        for &i in &tile.forest.candidates {
-            let (key, pass) = tile.scan.passes[i as usize];
+        for &(key, pass) in &tile.forest.candidates {
             let (a, b) = (portals.number(t, tile, pass.a), portals.number(t, tile, pass.b));
             if a != b {
                 events.push(Event { key, cell: pass.saddle, nth: pass.nth, a, b });

@@ -7,7 +7,7 @@
 //! already can be no edge of the divide tree of the whole, as the sweep of any larger graph would close a cycle too:
 //! a candidate list is the tile's share of a minimum spanning forest (the filter of Borůvka and Kruskal variants).
 
-use super::tile::{NO_NODE, Node, Scan};
+use super::tile::{NO_NODE, Node, Pass, Scan};
 use crate::grid::neighbours::is_above;
 use crate::grid::{Cell, Key};
 
@@ -35,8 +35,8 @@ pub(super) struct LocalJoin {
 pub(super) struct TileForest<K> {
     /// Joins that are certain, each with the key of its saddle.
     pub(super) joins: Vec<(K, LocalJoin)>,
-    /// Indices into [`Scan::passes`] of those that the whole raster must decide, in the order of the sweep.
-    pub(super) candidates: Vec<u32>,
+    /// The passes that the whole raster must decide, in the order of the sweep.
+    pub(super) candidates: Vec<(K, Pass)>,
 }
 
 /// Sweeps the passes of one tile.
@@ -53,7 +53,7 @@ pub(super) fn sweep_tile<K: Key>(scan: &Scan<K>) -> TileForest<K> {
     }
     let mut parent: Vec<Node> = (0..nodes as Node).collect();
     let mut forest = TileForest { joins: Vec::with_capacity(scan.peaks), candidates: Vec::new() };
-    for (i, &(key, pass)) in (0..).zip(&scan.passes) {
+    for &(key, pass) in &scan.passes {
         let (top_a, top_b) = (find(&mut parent, pass.a), find(&mut parent, pass.b));
         if top_a == top_b {
             continue;
@@ -63,7 +63,7 @@ pub(super) fn sweep_tile<K: Key>(scan: &Scan<K>) -> TileForest<K> {
         let (low, high) = if near_is_a { (top_a, top_b) } else { (top_b, top_a) };
         if open[low as usize] {
             open[high as usize] = true;
-            forest.candidates.push(i);
+            forest.candidates.push((key, pass));
         } else {
             let (near, far) = if near_is_a { (pass.a, pass.b) } else { (pass.b, pass.a) };
             let join = LocalJoin { ended: low, into: high, saddle: pass.saddle, near, far, nth: pass.nth, near_is_a };
@@ -71,6 +71,9 @@ pub(super) fn sweep_tile<K: Key>(scan: &Scan<K>) -> TileForest<K> {
         }
         parent[low as usize] = high;
     }
+    // Many tiles wait for each other with what they found.
+    forest.joins.shrink_to_fit();
+    forest.candidates.shrink_to_fit();
     forest
 }
 
