@@ -233,6 +233,12 @@ pub fn pairs<K: Key>(grid: &Grid<K>) -> Vec<(i64, i64)> {
     pairs
 }
 
+/// The isolations of cells, whether they are peaks or not.
+pub fn isolations<K: Key>(grid: &Grid<K>, metric: &dyn Metric, cells: &[Cell], options: &Options) -> Vec<RefIsolation> {
+    let raster = Raster::new(grid);
+    cells.iter().map(|&cell| isolation::isolation(&raster, metric, cell, options)).collect()
+}
+
 /// Prominence and its lower bound for every peak, by cell.
 ///
 /// `ends` is where each peak ends in the graph with the virtual cell.
