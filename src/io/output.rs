@@ -36,7 +36,11 @@ impl Output {
             _ => Path::new("."),
         };
         if !folder.is_dir() {
-            return refuse(format!("the folder {} does not exist", folder.display()));
+            let shown = folder.display();
+            return refuse(match folder.exists() {
+                true => format!("{shown} is not a folder"),
+                false => format!("the folder {shown} does not exist"),
+            });
         }
         // The extension stays at the end: drivers look at it.
         let partial = folder.join(format!(".orograph-{}-{}", std::process::id(), name.to_string_lossy()));
