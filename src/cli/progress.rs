@@ -3,6 +3,7 @@
 
 use super::report::Reporter;
 use crate::error::Result;
+use crate::io::output::abandon;
 use crate::watch::Watch;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -25,6 +26,7 @@ pub(super) fn watched<T>(reporter: &mut Reporter, job: impl FnOnce(&Watch, &mut 
     let pressed = AtomicBool::new(false);
     let _ = ctrlc::set_handler(move || {
         if pressed.swap(true, Ordering::Relaxed) {
+            abandon();
             std::process::exit(130);
         }
         handled.cancel();

@@ -3,6 +3,19 @@
 use crate::error::{Error, ErrorKind, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Temporary names of the outputs that are not finished.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what unfinished outputs have left so far: for a process that is about to exit without unwinding.
+pub fn abandon() {
+    unfinished().iter().for_each(|partial| clear(partial));
+}
 
 /// A file that is written under a temporary name beside its target and takes its place when it is finished.
 ///
@@ -36,7 +49,11 @@ impl Output {
             _ => Path::new("."),
         };
         if !folder.is_dir() {
-            return refuse(format!("the folder {} does not exist", folder.display()));
+            let shown = folder.display();
+            return refuse(match folder.exists() {
+                true => format!("{shown} is not a folder"),
+                false => format!("the folder {shown} does not exist"),
+            });
         }
         // The extension stays at the end: drivers look at it.
         let partial = folder.join(format!(".orograph-{}-{}", std::process::id(), name.to_string_lossy()));
@@ -45,7 +62,8 @@ impl Output {
         }
         // Drivers want to create the file themselves.
         let output = Self { target: target.to_path_buf(), partial, finished: false };
-        output.clear();
+        clear(&output.partial);
+        unfinished().push(output.partial.clone());
         Ok(output)
     }
 
@@ -71,20 +89,21 @@ impl Output {
         self.finished = true;
         Ok(())
     }
+}
 
-    fn clear(&self) {
-        let side = |suffix: &str| PathBuf::from(format!("{}{suffix}", self.partial.display()));
-        // Whatever is not there need not be removed; SQLite may leave companions.
-        for path in [self.partial.clone(), side("-journal"), side("-wal"), side("-shm")] {
-            let _ = fs::remove_file(path);
-        }
+fn clear(partial: &Path) {
+    let side = |suffix: &str| PathBuf::from(format!("{}{suffix}", partial.display()));
+    // Whatever is not there need not be removed; SQLite may leave companions.
+    for path in [partial.to_path_buf(), side("-journal"), side("-wal"), side("-shm")] {
+        let _ = fs::remove_file(path);
     }
 }
 
 impl Drop for Output {
     fn drop(&mut self) {
         if !self.finished {
-            self.clear();
+            clear(&self.partial);
         }
+        unfinished().retain(|partial| *partial != self.partial);
     }
 }

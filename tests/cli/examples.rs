@@ -1,0 +1,72 @@
+//! What `--help` shows as examples works as it stands.
+
+use super::{PROGRAM, Run, folder, listing, root};
+use std::fs;
+use std::path::Path;
+
+/// The verbs that the program's own help lists.
+fn verbs() -> Vec<String> {
+    let help = Run::done(&["--help"]).stdout();
+    let commands = help.split("Commands:\n").nth(1).expect("a list of commands");
+    let lines = commands.lines().take_while(|line| !line.is_empty());
+    // Deeper lines go on with the description above.
+    let names = lines.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    names.filter_map(|line| line.split_whitespace().next()).filter(|&verb| verb != "help").map(String::from).collect()
+}
+
+/// The command lines of the block of examples that ends a verb's help.
+fn examples(verb: &str) -> Vec<String> {
+    let run = Run::done(&[verb, "--help"]);
+    let help = run.stdout();
+    let start = help.rfind("\nExample");
+    run.check(start.is_some(), "a block of examples");
+    let block = help[start.expect("checked") + 1..].trim_end();
+    let (title, lines) = block.split_once('\n').expect("a title and lines");
+    run.check(matches!(title, "Example:" | "Examples:"), "a title");
+    run.check(lines.lines().all(|line| line.starts_with("  orograph ")), "nothing but command lines after it");
+    lines.lines().map(|line| line.trim().to_string()).collect()
+}
+
+#[cfg(unix)]
+fn link(from: &Path, to: &Path) {
+    std::os::unix::fs::symlink(from, to).expect("a link to the fixtures");
+}
+
+#[cfg(not(unix))]
+fn link(from: &Path, to: &Path) {
+    fs::create_dir(to).expect("a folder for the fixtures");
+    for name in listing(from) {
+        fs::copy(from.join(&name), to.join(&name)).expect("a copy of a fixture");
+    }
+}
+
+#[test]
+fn they_run() {
+    let verbs = verbs();
+    assert!(["info", "map", "peaks", "stats"].iter().all(|known| verbs.iter().any(|verb| verb == known)), "{verbs:?}");
+    for verb in verbs {
+        for example in examples(&verb) {
+            let dir = folder();
+            link(&root().join("fixtures"), &dir.path().join("fixtures"));
+            let words: Vec<&str> = example.split_whitespace().skip(1).collect();
+            let run = Run::in_folder(dir.path(), &words);
+            run.expect(0, "");
+            let is_output = |word: &&&str| !word.contains(',') && Path::new(word).extension().is_some();
+            let outputs = words.iter().filter(|word| !word.starts_with("fixtures/")).filter(is_output);
+            let outputs: Vec<&str> = outputs.copied().collect();
+            for output in &outputs {
+                let bytes = fs::metadata(dir.path().join(output)).map(|file| file.len());
+                run.check(bytes.is_ok_and(|bytes| bytes > 0), &format!("the file {output}"));
+            }
+            let found = listing(dir.path()).len() - 1;
+            run.check(found == outputs.len(), "no other files");
+        }
+    }
+}
+
+#[test]
+fn versions_are_told() {
+    let said = Run::done(&["--version"]).stdout();
+    assert!(said.starts_with(&format!("orograph {}\nGDAL 3", env!("CARGO_PKG_VERSION"))), "{PROGRAM}: {said}");
+    assert!(said.contains("\nPROJ "), "{said}");
+}
