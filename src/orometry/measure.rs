@@ -61,7 +61,7 @@ fn survey_keys<K: Key, M: Metric + ?Sized>(
         prominence_m >= options.min_prominence_m
     });
     peaks.retain(|peak| passes_filters(peak, options));
-    peaks.sort_unstable_by_key(|peak| peak.id);
+    peaks.par_sort_unstable_by_key(|peak| peak.id);
     Ok(Survey { peaks, edges, local_peaks: forest.cells.len() as u64 })
 }
 
@@ -113,7 +113,7 @@ fn give_ids<K: Key>(peaks: &[PrunedPeak<K>]) -> Vec<u32> {
         if is_other_root { peaks[i].prominence_min_m } else { peaks[i].prominence_m }
     };
     let mut order: Vec<usize> = (0..peaks.len()).collect();
-    order.sort_unstable_by(|&i, &j| weight(j).total_cmp(&weight(i)).then(peaks[i].cell.cmp(&peaks[j].cell)));
+    order.par_sort_unstable_by(|&i, &j| weight(j).total_cmp(&weight(i)).then(peaks[i].cell.cmp(&peaks[j].cell)));
     let mut ids = vec![0; peaks.len()];
     for (id, i) in (1..).zip(order) {
         ids[i] = id;
@@ -247,6 +247,6 @@ fn draw_edges<K: Key, M: Metric + ?Sized>(
             })
         })
         .collect::<Result<_>>()?;
-    edges.sort_unstable_by_key(|edge| edge.saddle);
+    edges.par_sort_unstable_by_key(|edge| edge.saddle);
     Ok(edges)
 }

@@ -4,6 +4,7 @@ use super::divide::{DivideForest, Join, NO_CELL, PeakNumber};
 use super::forest::find;
 use crate::grid::neighbours::is_above;
 use crate::grid::{Cell, Elevations, Key};
+use rayon::prelude::*;
 
 /// A peak of the pruned tree; the tree's peaks are in the order of their index in the raster.
 #[derive(Clone, Debug)]
@@ -48,40 +49,37 @@ pub(super) fn prominence_m<K: Key>(elevations: &Elevations, base_level_m: Option
 /// `key_of` gives the key of a cell.
 pub(super) fn prune<K: Key>(
     forest: &DivideForest<K>,
-    key_of: impl Fn(Cell) -> K,
+    key_of: impl Fn(Cell) -> K + Sync,
     elevations: &Elevations,
     base_level_m: Option<f64>,
     threshold_m: f64,
 ) -> Vec<PrunedPeak<K>> {
     let prominence = |peak: K, saddle: K| prominence_m(elevations, base_level_m, peak, saddle);
-    let mut peaks: Vec<PrunedPeak<K>> = Vec::new();
-    for (number, join) in (0..).zip(&forest.joins) {
-        let key = forest.keys[number as usize];
+    let keep = |number: usize| {
+        let (join, key, cell) = (&forest.joins[number], forest.keys[number], forest.cells[number]);
         let is_root = join.saddle == NO_CELL;
         let prominence_m = if is_root { f64::NAN } else { prominence(key, join.key) };
-        if is_root || prominence_m >= threshold_m {
-            let touch = forest.touches[number as usize];
-            let certain = touch == NO_CELL;
-            peaks.push(PrunedPeak {
-                number,
-                cell: forest.cells[number as usize],
-                key,
-                prominence_m,
-                prominence_min_m: match touch {
-                    _ if certain => prominence_m,
-                    // Beside the unknown; also where a base level lies above the peak.
-                    touch if touch == forest.cells[number as usize] => 0.0,
-                    touch => prominence(key, key_of(touch)),
-                },
-                certain,
-                edge: (!is_root).then_some(PrunedEdge { join: *join, near: 0, far: 0 }),
-                island_parent: None,
-                line_parent: None,
-                prominence_parent: None,
-            });
-        }
-    }
-    peaks.sort_unstable_by_key(|peak| peak.cell);
+        let touch = forest.touches[number];
+        (is_root || prominence_m >= threshold_m).then(|| PrunedPeak {
+            number: number as PeakNumber,
+            cell,
+            key,
+            prominence_m,
+            prominence_min_m: match touch {
+                NO_CELL => prominence_m,
+                // Beside the unknown; also where a base level lies above the peak.
+                touch if touch == cell => 0.0,
+                touch => prominence(key, key_of(touch)),
+            },
+            certain: touch == NO_CELL,
+            edge: (!is_root).then_some(PrunedEdge { join: *join, near: 0, far: 0 }),
+            island_parent: None,
+            line_parent: None,
+            prominence_parent: None,
+        })
+    };
+    let mut peaks: Vec<PrunedPeak<K>> = (0..forest.cells.len()).into_par_iter().filter_map(keep).collect();
+    peaks.par_sort_unstable_by_key(|peak| peak.cell);
     find_groups(forest, &mut peaks);
     find_parents(&mut peaks);
     peaks
