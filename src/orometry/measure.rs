@@ -7,7 +7,7 @@ use super::divide::{DivideForest, NO_CELL};
 use super::isolation::{Isolations, Search};
 use super::lowest::Lowest;
 use super::prune::{PrunedPeak, prune};
-use super::ridge::{Ridges, Steps, ends};
+use super::ridge::{Ridges, Steps};
 use super::survey::{Isolation, KeySaddle, Peak, Survey, SurveyOptions, TreeEdge};
 use crate::crs::{Metric, Place};
 use crate::error::Result;
@@ -82,9 +82,11 @@ struct Roots<'a, K, M: ?Sized> {
 impl<K: Key, M: Metric + ?Sized> Roots<'_, K, M> {
     fn measure(&self, forest: &DivideForest<K>, peaks: &mut [PrunedPeak<K>]) {
         let mut lowest = None;
-        let voids_are_known = self.options.nodata_is_sea || !self.grid.cells().contains(&K::VOID);
-        // Nothing is unknown on a whole globe without voids, although no way leads across its poles.
-        let all_known = voids_are_known && self.grid.wraps() && self.metric.is_whole_globe(self.grid.rows() as i64);
+        // Nothing is unknown on a whole globe without voids, although no way leads across its poles. Only there are all
+        // cells looked at.
+        let all_known = self.grid.wraps()
+            && self.metric.is_whole_globe(self.grid.rows() as i64)
+            && (self.options.nodata_is_sea || !self.grid.cells().contains(&K::VOID));
         for peak in peaks.iter_mut().filter(|peak| peak.edge.is_none()) {
             let elevation_m = self.elevations.elevation_m(peak.key.to_i64());
             let touch = forest.touches[peak.number as usize];
@@ -232,8 +234,7 @@ fn draw_edges<K: Key, M: Metric + ?Sized>(
         .filter_map(|(i, peak)| peak.edge.map(|edge| (i, peak, edge)))
         .map(|(i, peak, edge)| {
             watch.check()?;
-            let near_is_a = ends(&edge.join).0 == edge.join.near;
-            let (a, b) = if near_is_a { (edge.near, edge.far) } else { (edge.far, edge.near) };
+            let (a, b) = if edge.join.near_is_a { (edge.near, edge.far) } else { (edge.far, edge.near) };
             let path = lines.as_ref().map_or_else(Vec::new, |(ridges, _)| ridges.path(&edge));
             Ok(TreeEdge {
                 peak_a: ids[a as usize],

@@ -123,7 +123,7 @@ impl<'a, K: Key> Ridges<'a, K> {
 }
 
 /// The basin of the saddle's topmost neighbour, and the other one.
-pub(super) fn ends<K: Key>(join: &Join<K>) -> (PeakNumber, PeakNumber) {
+fn ends<K: Key>(join: &Join<K>) -> (PeakNumber, PeakNumber) {
     if join.near_is_a { (join.near, join.far) } else { (join.far, join.near) }
 }
 
@@ -137,6 +137,8 @@ pub(super) struct Steps<'a, M: ?Sized> {
     cols: usize,
     /// For each row the lengths in metres of a step along it, to the next row, and askew to the next row.
     rows: Vec<[f64; 3]>,
+    /// Whether both diagonals of a cell are as long; those of a sheared grid are not.
+    has_one_diagonal: bool,
 }
 
 impl<'a, M: Metric + ?Sized> Steps<'a, M> {
@@ -150,7 +152,8 @@ impl<'a, M: Metric + ?Sized> Steps<'a, M> {
                 })
                 .collect();
         }
-        Self { metric, cols, rows: table }
+        let has_one_diagonal = rows > 1 && metric.distance_m((0, 0), (1, 1)) == metric.distance_m((0, 1), (1, 0));
+        Self { metric, cols, rows: table, has_one_diagonal }
     }
 
     /// Length of a path in metres.
@@ -162,8 +165,7 @@ impl<'a, M: Metric + ?Sized> Steps<'a, M> {
         let place = |cell: Cell| ((cell as usize / self.cols) as i64, (cell as usize % self.cols) as i64);
         let (p, q) = (place(from), place(to));
         match self.rows.get(p.0.min(q.0) as usize) {
-            // A sheared grid has two diagonals of different lengths.
-            Some(row) if (p.0 == q.0 || p.1 == q.1) || self.has_one_diagonal() => {
+            Some(row) if (p.0 == q.0 || p.1 == q.1) || self.has_one_diagonal => {
                 row[if p.0 == q.0 {
                     0
                 } else if p.1 == q.1 {
@@ -174,9 +176,5 @@ impl<'a, M: Metric + ?Sized> Steps<'a, M> {
             }
             _ => self.metric.distance_m(p, q),
         }
-    }
-
-    fn has_one_diagonal(&self) -> bool {
-        self.metric.distance_m((0, 0), (1, 1)) == self.metric.distance_m((0, 1), (1, 0))
     }
 }
