@@ -35,10 +35,7 @@ impl Info {
             reporter.warn(note);
         }
         if let Some(sentinel) = dem.as_ref().and_then(|dem| dem.sentinel) {
-            reporter.warn(&format!(
-                "{} cells have the value {}, far from all others and not declared as nodata; if it means nodata, give --nodata {}",
-                sentinel.cells, sentinel.value, sentinel.value
-            ));
+            reporter.warn(&sentinel.to_string());
         }
         let result = describe(&source, dem.as_ref());
         reporter.say(&text(&result))?;

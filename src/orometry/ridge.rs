@@ -165,15 +165,9 @@ impl<'a, M: Metric + ?Sized> Steps<'a, M> {
         let place = |cell: Cell| ((cell as usize / self.cols) as i64, (cell as usize % self.cols) as i64);
         let (p, q) = (place(from), place(to));
         match self.rows.get(p.0.min(q.0) as usize) {
-            Some(row) if (p.0 == q.0 || p.1 == q.1) || self.has_one_diagonal => {
-                row[if p.0 == q.0 {
-                    0
-                } else if p.1 == q.1 {
-                    1
-                } else {
-                    2
-                }]
-            }
+            Some(&[along, _, _]) if p.0 == q.0 => along,
+            Some(&[_, down, _]) if p.1 == q.1 => down,
+            Some(&[_, _, askew]) if self.has_one_diagonal => askew,
             _ => self.metric.distance_m(p, q),
         }
     }

@@ -170,10 +170,7 @@ fn warn_of_inputs(source: &RasterSource, reduced: &Reduced, read: &ReadOverlay, 
         warn(note);
     }
     if let Some(sentinel) = &reduced.sentinel {
-        warn(&format!(
-            "{} cells have the value {}, far from all others and not declared as nodata; if it means nodata, give --nodata {}",
-            sentinel.cells, sentinel.value, sentinel.value
-        ));
+        warn(&sentinel.to_string());
     }
     if read.unplaced > 0 {
         warn(&format!("{} features of the layers have no place in the CRS of the DEM and are left out", read.unplaced));

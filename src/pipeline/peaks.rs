@@ -54,8 +54,6 @@ pub struct PeaksReport {
     pub size: (usize, usize, u64),
     /// The files written.
     pub outputs: Vec<PathBuf>,
-    /// What a user should know.
-    pub warnings: Vec<String>,
     /// How long reading, measuring and writing took.
     pub times: [Duration; 3],
 }
@@ -71,11 +69,7 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
     let outputs = writer.targets();
     let surveying = Surveying { options: &job.survey, distance: job.distance, memory: job.memory };
     surveying.admit(&source)?;
-    let mut warnings = Vec::new();
-    let mut note = |text: String| {
-        warn(&text);
-        warnings.push(text);
-    };
+    let mut note = |text: String| warn(&text);
     let tagger = Tagger::read(&job.tags, source.crs.as_ref(), &mut note)?;
     let surveyed = surveying.run(&source, watch, &mut note)?;
     let Surveyed { dem, survey: found, .. } = &surveyed;
@@ -110,7 +104,6 @@ pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
         survey: surveyed.survey,
         tags,
         outputs,
-        warnings,
     })
 }
 

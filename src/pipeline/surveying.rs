@@ -77,10 +77,7 @@ impl Surveying<'_> {
             note(text.clone());
         }
         if let Some(sentinel) = &dem.sentinel {
-            note(format!(
-                "{} cells have the value {}, far from all others and not declared as nodata; if it means nodata, give --nodata {}",
-                sentinel.cells, sentinel.value, sentinel.value
-            ));
+            note(sentinel.to_string());
         }
         let stretches = dem.crs.as_ref().and_then(|crs| crs.projection.as_deref()).is_some_and(|projection| {
             let plain = projection.to_ascii_lowercase();

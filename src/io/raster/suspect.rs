@@ -2,6 +2,7 @@
 
 use crate::grid::{AnyGrid, Elevations, Key};
 use crate::with_grid;
+use std::fmt;
 
 /// A value that looks like undeclared nodata.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +11,18 @@ pub struct Sentinel {
     pub value: f64,
     /// How many cells have it.
     pub cells: u64,
+}
+
+impl fmt::Display for Sentinel {
+    /// What is suspect, and what to do about it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { value, cells } = self;
+        write!(
+            f,
+            "{cells} cells have the value {value}, far from all others and not declared as nodata; if it means nodata, \
+             give --nodata {value}"
+        )
+    }
 }
 
 /// Values that programs write where there is no data.
