@@ -10,7 +10,7 @@
 //! 5  pipeline                jobs from files to files: memory, layers, tags
 //! 4  figures                 what the methods measured, as charts
 //! 3  orometry      plot      the methods; pictures that know no methods
-//! 2  io                      files through GDAL
+//! 2  io        codec         files through GDAL; cells <-> bytes
 //! 1  grid          crs       rasters in memory; where they lie on Earth
 //! 0  error  units  watch     what everybody needs
 //! ```
@@ -23,6 +23,7 @@
 //! `pipeline::layers` turns the result into rows, and `io::vector` writes them.
 
 pub mod cli;
+pub mod codec;
 pub mod crs;
 pub mod error;
 pub mod figures;

@@ -1,0 +1,13 @@
+//! Cells <-> bytes: one tile of one band at a time, with a guaranteed error.
+//!
+//! The room knows no files, no threads and no clocks. [`encode_tile`] turns the [`Cells`] of a tile into
+//! [`SEGMENTS`] byte strings, coarse to fine; [`decode_tile`] needs the first of them for a coarse level and all for
+//! the cells themselves. `format-spec/oro.md` describes the bytes.
+
+mod cells;
+mod tile;
+
+pub use cells::Cells;
+pub use tile::{
+    BandRule, Bound, EncodedTile, MAX_TILE_SIDE, SEGMENTS, TOP_LEVEL, TileShape, decode_tile, encode_tile, segments_for,
+};
