@@ -8,7 +8,7 @@
 //! ```text
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
 //! 5  pipeline                jobs from files to files: memory, layers, tags
-//! 4  figures                 what the methods measured, as charts
+//! 4  figures   oro           what the methods measured, as charts; the .oro container
 //! 3  orometry      plot      the methods; pictures that know no methods
 //! 2  io        codec         files through GDAL; cells <-> bytes
 //! 1  grid          crs       rasters in memory; where they lie on Earth
@@ -29,6 +29,7 @@ pub mod error;
 pub mod figures;
 pub mod grid;
 pub mod io;
+pub mod oro;
 pub mod orometry;
 pub mod pipeline;
 pub mod plot;
