@@ -21,17 +21,29 @@
 //! that sort as the elevations do, whatever the file's type. [`orometry::survey`] finds basins and passes tile by
 //! tile, joins them to the divide tree of the whole, prunes it and measures each peak with a [`crs::Metric`].
 //! `pipeline::layers` turns the result into rows, and `io::vector` writes them.
+//!
+//! # The container alone
+//!
+//! Without the feature `program` (`default-features = false`) there are only [`oro`], [`codec`] and what they stand on:
+//! no GDAL, no threads, and it builds for wasm32.
 
+#[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;
+#[cfg(feature = "program")]
 pub mod crs;
 pub mod error;
+#[cfg(feature = "program")]
 pub mod figures;
 pub mod grid;
+#[cfg(feature = "program")]
 pub mod io;
 pub mod oro;
+#[cfg(feature = "program")]
 pub mod orometry;
+#[cfg(feature = "program")]
 pub mod pipeline;
+#[cfg(feature = "program")]
 pub mod plot;
 pub mod units;
 pub mod watch;
