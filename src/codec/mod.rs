@@ -4,8 +4,26 @@
 //! [`SEGMENTS`] byte strings, coarse to fine; [`decode_tile`] needs the first of them for a coarse level and all for
 //! the cells themselves. `format-spec/oro.md` describes the bytes.
 
+mod binary;
+mod bits;
 mod cells;
+mod cost;
+mod encode;
+mod fit;
+mod level;
+mod mapping;
+mod mask;
+mod params;
+mod pass;
+mod plane;
+mod rans;
+mod tables;
+mod taps;
 mod tile;
+#[doc(hidden)]
+pub mod training;
+mod values;
+mod word;
 
 pub use cells::Cells;
 pub use tile::{

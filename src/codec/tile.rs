@@ -1,6 +1,17 @@
 //! One tile of one band: cells to segments and back.
 
 use super::Cells;
+use super::bits::{BitReader, BitWriter};
+use super::encode::{SegmentParts, encode_levels};
+use super::level::{Level, SegmentBody, decode_segment, levels, segment_levels};
+use super::mapping::Mapping;
+use super::mask::{decode_voids, encode_voids, void_levels};
+use super::pass::TileRule;
+use super::plane::Plane;
+use super::values::{
+    Mapped, broken_cells, cell_bits, fill_voids, find_voids, map_cells, restore, set_cell_bits, void_bits,
+};
+use super::word::Word;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
 
@@ -73,14 +84,263 @@ pub fn segments_for(level: u8) -> usize {
 /// # Errors
 /// When the cells are not of the rule's type or do not fill the shape.
 pub fn encode_tile(cells: &Cells, shape: TileShape, rule: &BandRule) -> Result<EncodedTile> {
-    if cells.sample() != rule.sample || cells.len() != shape.cells() {
+    if cells.sample() != rule.sample || cells.len() != shape.cells() || cells.is_empty() {
         return Err(Error::new(ErrorKind::Usage, "the cells do not fit the tile"));
     }
-    let mut tile = EncodedTile::default();
-    for (index, segment) in tile.segments.iter_mut().enumerate() {
-        *segment = cells.decimated(shape.width, (SEGMENTS - 1 - index) as u8).to_le_bytes();
+    let voids = find_voids(cells, rule);
+    let first = attempt(cells, shape, rule, &voids, false)?;
+    // Cells that break the promise are written out one by one; with many of them floats are kept bit by bit.
+    if first.patches > cells.len() / 50 && matches!(rule.sample, SampleType::F32 | SampleType::F64) {
+        let second = attempt(cells, shape, rule, &voids, true)?;
+        if second.tile.bytes() < first.tile.bytes() {
+            return Ok(second.tile);
+        }
     }
-    Ok(tile)
+    Ok(first.tile)
+}
+
+impl EncodedTile {
+    /// Bytes of all segments.
+    pub fn bytes(&self) -> usize {
+        self.segments.iter().map(Vec::len).sum()
+    }
+}
+
+struct Attempt {
+    tile: EncodedTile,
+    patches: usize,
+}
+
+/// What stands before the passes of a tile.
+#[derive(Clone, Debug)]
+struct Header {
+    mapping: Mapping,
+    /// Whether some cells are voids, and whether the coarsest is.
+    voids: Option<bool>,
+    /// Bits of the voids, where they are not those of the band.
+    void_bits: Option<u64>,
+    serial: bool,
+    patched: bool,
+    /// The coarsest cell.
+    seed: i64,
+}
+
+impl Header {
+    fn write(&self, bits: &mut BitWriter, sample: SampleType) {
+        bits.put(u64::from(self.voids.is_some()), 1);
+        if let Some(top) = self.voids {
+            bits.put(u64::from(top), 1);
+            bits.put(u64::from(self.void_bits.is_some()), 1);
+            if let Some(void) = self.void_bits {
+                put_cell(bits, void, sample);
+            }
+        }
+        bits.put(u64::from(self.patched), 1);
+        self.mapping.write(bits);
+        if self.mapping.range_bits > 0 {
+            bits.put(u64::from(self.serial), 1);
+            bits.put_signed(self.seed, self.mapping.range_bits.min(60));
+        }
+    }
+
+    fn read(bits: &mut BitReader<'_>, sample: SampleType) -> Result<Self> {
+        let (mut voids, mut void_bits) = (None, None);
+        if bits.take(1) == 1 {
+            voids = Some(bits.take(1) == 1);
+            if bits.take(1) == 1 {
+                void_bits = Some(take_cell(bits, sample));
+            }
+        }
+        let patched = bits.take(1) == 1;
+        let mapping = Mapping::read(bits, sample)?;
+        let (mut serial, mut seed) = (false, 0);
+        if mapping.range_bits > 0 {
+            serial = bits.take(1) == 1;
+            seed = bits.take_signed(mapping.range_bits.min(60));
+        }
+        bits.check()?;
+        Ok(Self { mapping, voids, void_bits, serial, patched, seed })
+    }
+}
+
+fn put_cell(bits: &mut BitWriter, value: u64, sample: SampleType) {
+    let width = sample.bytes() as u32 * 8;
+    bits.put(value & 0xffff_ffff, width.min(32));
+    if width > 32 {
+        bits.put(value >> 32, width - 32);
+    }
+}
+
+fn take_cell(bits: &mut BitReader<'_>, sample: SampleType) -> u64 {
+    let width = sample.bytes() as u32 * 8;
+    let low = bits.take(width.min(32));
+    if width > 32 { low | bits.take(width - 32) << 32 } else { low }
+}
+
+/// The bits that most voids have, where the band's are not the commonest.
+fn commonest_void(cells: &Cells, voids: &[u8], rule: &BandRule) -> Option<u64> {
+    let mut counts = std::collections::BTreeMap::new();
+    for (index, _) in voids.iter().enumerate().filter(|&(_, &void)| void != 0) {
+        *counts.entry(cell_bits(cells, index)).or_insert(0usize) += 1;
+    }
+    let (&bits, _) = counts.iter().max_by_key(|&(&bits, &count)| (count, std::cmp::Reverse(bits)))?;
+    (bits != void_bits(rule)).then_some(bits)
+}
+
+/// Which segment holds a cell: that of the coarsest level that has it.
+fn segment_of(index: usize, width: usize) -> usize {
+    let (row, col) = (index / width, index % width);
+    let level = (row | col).trailing_zeros().min(SEGMENTS as u32 - 1) as usize;
+    SEGMENTS - 1 - level
+}
+
+fn attempt(cells: &Cells, shape: TileShape, rule: &BandRule, voids: &[u8], exact: bool) -> Result<Attempt> {
+    let Mapped { mapping, mut xs } = map_cells(cells, voids, rule, exact);
+    if let (Some(0..), Some(first)) =
+        (voids.first().filter(|&&void| void != 0), voids.iter().position(|&void| void == 0))
+    {
+        // Predictions have to begin with something.
+        xs[0] = xs[first];
+    }
+    if mapping.range_bits > 31 {
+        finish::<i64>(cells, shape, rule, voids, mapping, &xs)
+    } else {
+        finish::<i32>(cells, shape, rule, voids, mapping, &xs)
+    }
+}
+
+fn finish<W: Word>(
+    cells: &Cells,
+    shape: TileShape,
+    rule: &BandRule,
+    voids: &[u8],
+    mapping: Mapping,
+    xs: &[i64],
+) -> Result<Attempt> {
+    let levels = levels(shape);
+    let holes = if voids.is_empty() { Vec::new() } else { void_levels(voids, shape, levels) };
+    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Plane<W>>) =
+        (false, Default::default(), None);
+    if mapping.range_bits > 0 {
+        let plain = TileRule::new(mapping.step, mapping.range_bits, false);
+        let parallel = encode_levels::<W>(xs, shape, levels, &holes, plain, false)?;
+        let chained = encode_levels::<W>(xs, shape, levels, &holes, TileRule { serial: true, ..plain }, false)?;
+        // Serial tiles take more than twice as long to decode: they have to be worth it.
+        serial = chained.cost + chained.cost / 256 < parallel.cost;
+        let coded = if serial { chained } else { parallel };
+        (parts, decoded_xs) = (coded.segments, Some(coded.level.cells));
+    }
+    let mut decoded = match &decoded_xs {
+        Some(plane) => {
+            restore((0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide())), &mapping, rule)
+        }
+        None => restore(std::iter::repeat_n(0, cells.len()), &mapping, rule),
+    };
+    let commonest = commonest_void(cells, voids, rule);
+    fill_voids(&mut decoded, voids, commonest.unwrap_or(void_bits(rule)));
+    let broken = broken_cells(cells, &decoded, rule);
+    let header = Header {
+        seed: xs[0],
+        voids: (!voids.is_empty()).then(|| voids[0] != 0),
+        void_bits: commonest,
+        serial,
+        patched: !broken.is_empty(),
+        mapping,
+    };
+    let mut tile = EncodedTile::default();
+    for (index, (parts, segment)) in parts.into_iter().zip(&mut tile.segments).enumerate() {
+        let mut side = BitWriter::default();
+        if index == 0 {
+            header.write(&mut side, rule.sample);
+        }
+        let (passes, raw, symbols) = parts.finish();
+        if header.patched {
+            write_patches(&mut side, cells, shape, &broken, index);
+        }
+        side.append(&passes);
+        let span = segment_levels(index, levels);
+        let mask = match header.voids {
+            Some(top) => encode_voids(&holes, u8::from(top), shape, span.clone()),
+            None => Vec::new(),
+        };
+        if index > 0 && (span.is_empty() || side.bits() + mask.len() + raw.len() + symbols.len() == 0) {
+            // Nothing to say: the segment stays empty.
+            continue;
+        }
+        put_part(segment, &side.finish());
+        if header.voids.is_some() {
+            put_part(segment, &mask);
+        }
+        if header.mapping.range_bits > 0 {
+            put_part(segment, &raw);
+            segment.extend_from_slice(&symbols);
+        }
+    }
+    Ok(Attempt { tile, patches: broken.len() })
+}
+
+/// Cells of a segment that are written out: number, distances, bits.
+fn write_patches(bits: &mut BitWriter, cells: &Cells, shape: TileShape, broken: &[usize], segment: usize) {
+    let mine: Vec<usize> = broken.iter().copied().filter(|&index| segment_of(index, shape.width) == segment).collect();
+    bits.put_number(mine.len() as u64, 2);
+    let mut next = 0;
+    for index in mine {
+        bits.put_number((index - next) as u64, 8);
+        put_cell(bits, cell_bits(cells, index), cells.sample());
+        next = index + 1;
+    }
+}
+
+/// Reads the patches of a segment: cell of the tile and bits.
+fn read_patches(
+    bits: &mut BitReader<'_>,
+    sample: SampleType,
+    shape: TileShape,
+    patches: &mut Vec<(usize, u64)>,
+) -> Result<()> {
+    let count = bits.take_number(2);
+    if count > shape.cells() as u64 {
+        return Err(Error::new(ErrorKind::Corrupt, "a segment has more patches than cells"));
+    }
+    let mut next = 0u64;
+    for _ in 0..count {
+        let index = next.saturating_add(bits.take_number(8));
+        if index >= shape.cells() as u64 {
+            return Err(Error::new(ErrorKind::Corrupt, "a patch lies outside of its tile"));
+        }
+        patches.push((index as usize, take_cell(bits, sample)));
+        bits.check()?;
+        next = index + 1;
+    }
+    Ok(())
+}
+
+/// Appends a part of a segment: its length, seven bits a byte, and its bytes.
+fn put_part(segment: &mut Vec<u8>, part: &[u8]) {
+    let mut length = part.len();
+    while length >= 128 {
+        segment.push(length as u8 | 128);
+        length >>= 7;
+    }
+    segment.push(length as u8);
+    segment.extend_from_slice(part);
+}
+
+/// Reads a part of a segment and leaves what follows it.
+fn take_part<'a>(segment: &mut &'a [u8]) -> Result<&'a [u8]> {
+    let early = || Error::new(ErrorKind::Corrupt, "a segment ends early");
+    let mut length = 0usize;
+    for place in 0..5 {
+        let (&byte, rest) = segment.split_first().ok_or_else(early)?;
+        *segment = rest;
+        length |= usize::from(byte & 127) << (7 * place);
+        if byte < 128 {
+            let (part, rest) = segment.split_at_checked(length).ok_or_else(early)?;
+            *segment = rest;
+            return Ok(part);
+        }
+    }
+    Err(Error::new(ErrorKind::Corrupt, "the length of a part of a segment has too many bytes"))
 }
 
 /// Decodes a level of a tile from its first segments (at least [`segments_for`] of them).
@@ -88,12 +348,98 @@ pub fn encode_tile(cells: &Cells, shape: TileShape, rule: &BandRule) -> Result<E
 /// # Errors
 /// [`ErrorKind::Corrupt`] when the bytes are no tile of that shape and rule.
 pub fn decode_tile(segments: &[&[u8]], shape: TileShape, rule: &BandRule, level: u8) -> Result<Cells> {
-    let corrupt = || Error::new(ErrorKind::Corrupt, "the tile's bytes end early");
-    let stored = level.min(SEGMENTS as u8 - 1);
-    let bytes = segments.get(segments_for(level) - 1).ok_or_else(corrupt)?;
-    let cells = Cells::from_le_bytes(rule.sample, bytes).ok_or_else(corrupt)?;
-    if cells.len() != shape.at_level(stored).cells() {
-        return Err(corrupt());
+    if shape.width == 0 || shape.height == 0 || shape.width > MAX_TILE_SIDE || shape.height > MAX_TILE_SIDE {
+        return Err(Error::new(ErrorKind::Usage, format!("a tile has 1 to {MAX_TILE_SIDE} cells a side")));
     }
-    Ok(cells.decimated(shape.at_level(stored).width, level - stored))
+    let segments = segments
+        .get(..segments_for(level))
+        .ok_or_else(|| Error::new(ErrorKind::Corrupt, "a segment of the tile is missing"))?;
+    let mut rest = segments[0];
+    let mut bits = BitReader::new(take_part(&mut rest)?);
+    let header = Header::read(&mut bits, rule.sample)?;
+    if header.mapping.range_bits > 31 {
+        decode_levels::<i64>(segments, &header, (bits, rest), shape, rule, level)
+    } else {
+        decode_levels::<i32>(segments, &header, (bits, rest), shape, rule, level)
+    }
+}
+
+fn decode_levels<W: Word>(
+    segments: &[&[u8]],
+    header: &Header,
+    (first_bits, first_rest): (BitReader<'_>, &[u8]),
+    shape: TileShape,
+    rule: &BandRule,
+    finest: u8,
+) -> Result<Cells> {
+    let levels = levels(shape);
+    let tile_rule = TileRule::new(header.mapping.step, header.mapping.range_bits, header.serial);
+    let mut level = Level::seed(W::from_wide(header.seed));
+    let mut holes = header.voids.map(|top| Plane::framed(&[u8::from(top)], 1));
+    let mut patches = Vec::new();
+    for (index, segment) in segments.iter().enumerate() {
+        let span = segment_levels(index, levels);
+        let (mut bits, mut rest) = match index {
+            0 => (first_bits.clone(), first_rest),
+            _ if segment.is_empty() => {
+                if !span.is_empty() && (header.mapping.range_bits > 0 || header.voids.is_some() || header.patched) {
+                    return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} is empty")));
+                }
+                continue;
+            }
+            _ => {
+                let mut rest = *segment;
+                (BitReader::new(take_part(&mut rest)?), rest)
+            }
+        };
+        if header.patched {
+            read_patches(&mut bits, rule.sample, shape, &mut patches)?;
+            bits.check()?;
+        }
+        let mut void_levels = Vec::new();
+        if let Some(coarser) = &holes {
+            void_levels = decode_voids(take_part(&mut rest)?, coarser, shape, span.clone())?;
+        }
+        if header.mapping.range_bits > 0 {
+            let raw = take_part(&mut rest)?;
+            let body = SegmentBody { raw, symbols: rest };
+            level = decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            rest = &[];
+        }
+        if !rest.is_empty() {
+            return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} has bytes after its end")));
+        }
+        // The level that was asked for may end amid a segment: nothing behind it is looked at.
+        if let Some(found) = void_levels.into_iter().take(span.end.saturating_sub(finest.max(span.start)).into()).last()
+        {
+            holes = Some(found.cells);
+        }
+    }
+    let asked = shape.at_level(finest);
+    let mut cells = match header.mapping.range_bits {
+        0 => restore(std::iter::repeat_n(0, asked.cells()), &header.mapping, rule),
+        _ => {
+            let plane = &level.cells;
+            let xs = (0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide()));
+            restore(xs, &header.mapping, rule)
+        }
+    };
+    if let Some(holes) = &holes {
+        let flat: Vec<u8> = (0..holes.height).flat_map(|row| holes.row(row).to_vec()).collect();
+        if flat.len() != cells.len() {
+            return Err(Error::new(ErrorKind::Corrupt, "the tile's mask has another size"));
+        }
+        fill_voids(&mut cells, &flat, header.void_bits.unwrap_or(void_bits(rule)));
+    }
+    for (index, bits) in patches {
+        let (row, col) = (index / shape.width, index % shape.width);
+        let step = 1usize.checked_shl(u32::from(finest)).unwrap_or(usize::MAX);
+        if row % step == 0 && col % step == 0 {
+            set_cell_bits(&mut cells, (row / step) * asked.width + col / step, bits);
+        }
+    }
+    match cells.len() == asked.cells() {
+        true => Ok(cells),
+        false => Err(Error::new(ErrorKind::Corrupt, "the tile has another number of cells")),
+    }
 }

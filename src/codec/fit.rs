@@ -1,0 +1,264 @@
+//! Fits a pass to its terrain: filters by weighted least squares, weights of errors by least squares without
+//! negative weights. Only encoders do this; sums run in a fixed order, so every machine finds the same numbers.
+
+use super::params::{ERROR_WEIGHTS, MAX_CODE, PassParams, WEIGHT_LIMIT, weight_of};
+use super::pass::FRACTION;
+use super::plane::Plane;
+use super::taps::{Known, MAX_TAPS, Pass, SERIAL_TAPS};
+use super::word::Word;
+
+/// Cells that a fit looks at, about.
+const SAMPLES: usize = 8000;
+
+/// One cell to learn from: its taps less their base, and the cell itself less it.
+struct Sample {
+    taps: [f32; MAX_TAPS],
+    target: f32,
+    /// Expected spread of the target, squared and inverted.
+    weight: f32,
+    class: u8,
+}
+
+/// Cells of a pass with all their taps.
+pub(super) struct Samples {
+    samples: Vec<Sample>,
+    taps: usize,
+    /// Variance of the quantiser's noise.
+    noise: f64,
+    own: [bool; MAX_TAPS],
+}
+
+impl Samples {
+    /// Gathers every so-many-th cell of a pass whose taps are no voids; `original` is the plane to be coded.
+    pub(super) fn gather<W: Word>(
+        pass: Pass,
+        original: &Plane<W>,
+        cells: Known<'_, W>,
+        void: Option<&Plane<u8>>,
+        step: i64,
+        serial: bool,
+    ) -> Self {
+        let taps = pass.tap_count() - if serial { 0 } else { SERIAL_TAPS };
+        let (width, height) = (original.width, original.height);
+        let mut samples = Vec::new();
+        let floor = 0.3 * step as f32;
+        // Whole runs of cells in some rows: a stride that shares no factor with the width would be slower to read.
+        let stride = (width * height / SAMPLES).max(1);
+        let (row_stride, col_stride) = match stride {
+            0..3 => (1, stride),
+            _ => (stride.isqrt().max(1), stride.div_ceil(stride.isqrt().max(1))),
+        };
+        let mut phase = 0;
+        for row in (2..height).step_by(row_stride) {
+            let runs: Vec<&[W]> = pass.taps().iter().map(|&tap| cells.run(original, tap, row, width)).collect();
+            let line = original.row(row);
+            phase = (phase + 1) % col_stride;
+            for col in (2 + phase..width.saturating_sub(1)).step_by(col_stride) {
+                let hole = |r: usize, c: usize| void.is_some_and(|void| void.row(r)[c] != 0);
+                if hole(row, col) || hole(row - 1, col) || hole(row - 2, col) || hole(row, col - 1) {
+                    continue;
+                }
+                let near: [i64; 4] = std::array::from_fn(|k| runs[k][col].wide());
+                let base = (near[0].wrapping_add(near[1]).wrapping_add(near[2].wrapping_add(near[3]))) >> 2;
+                let relative = |value: W| value.wide().wrapping_sub(base) as f32;
+                let mut sample = Sample { taps: [0.0; MAX_TAPS], target: relative(line[col]), weight: 0.0, class: 0 };
+                for (tap, run) in sample.taps.iter_mut().zip(&runs) {
+                    *tap = relative(run[col]);
+                }
+                if serial {
+                    sample.taps[taps - 2] = relative(line[col - 1]);
+                    sample.taps[taps - 1] = relative(line[col - 2]);
+                }
+                let t = &sample.taps;
+                let spread = (t[0].abs() + t[1].abs() + (t[2].abs() + t[3].abs())) * 0.25;
+                let (one, other) = match pass {
+                    Pass::C => (t[0] - t[3], t[1] - t[2]),
+                    _ => (t[0] - t[1], t[2] - t[3]),
+                };
+                sample.class = u8::from(one.abs() + other.abs() > 2.0 * step as f32);
+                let expected = 0.2 * spread + floor;
+                sample.weight = 1.0 / (expected * expected);
+                samples.push(sample);
+            }
+        }
+        let mut own = [false; MAX_TAPS];
+        for (own, tap) in own.iter_mut().zip(pass.taps()) {
+            *own = tap.0 == super::taps::Source::Own;
+        }
+        own[pass.taps().len()..].fill(true);
+        Self { samples, taps, noise: ((step * step - 1) as f64) / 12.0, own }
+    }
+
+    /// Number of samples.
+    pub(super) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// Share of the samples among steep ones.
+    pub(super) fn steep(&self) -> usize {
+        self.samples.iter().filter(|sample| sample.class == 1).count()
+    }
+
+    /// The best filter for all samples or for those of a class; `None` with too few samples.
+    pub(super) fn filter(&self, class: Option<u8>) -> Option<[i32; MAX_TAPS]> {
+        let count = self.samples.iter().filter(|sample| class.is_none_or(|class| sample.class == class)).count();
+        if count < 8 * self.taps {
+            return None;
+        }
+        let mut solution = [0.0f64; MAX_TAPS];
+        for round in 0..2 {
+            let mut matrix = [[0.0f64; MAX_TAPS]; MAX_TAPS];
+            let mut right = [0.0f64; MAX_TAPS];
+            let mut sum = 0.0;
+            for sample in &self.samples {
+                if class.is_some_and(|class| sample.class != class) {
+                    continue;
+                }
+                let mut weight = f64::from(sample.weight);
+                if round > 0 {
+                    // Towards least absolute errors, which are what bits are spent on.
+                    let scale = 1.0 / weight.sqrt();
+                    weight = 1.0 / (scale * (f64::from(self.miss(sample, &solution)).abs() + 0.5 * scale));
+                }
+                sum += weight;
+                for k in 0..self.taps {
+                    let weighted = weight * f64::from(sample.taps[k]);
+                    right[k] += weighted * f64::from(sample.target);
+                    for (cell, &tap) in matrix[k][..=k].iter_mut().zip(&sample.taps) {
+                        *cell += weighted * f64::from(tap);
+                    }
+                }
+            }
+            let trace: f64 = (0..self.taps).map(|k| matrix[k][k]).sum::<f64>() / self.taps as f64;
+            for k in 0..self.taps {
+                matrix[k][k] += 1e-5 * trace + 1e-9;
+                if self.own[k] {
+                    // The decoder sees these cells with the quantiser's noise; here they have none.
+                    matrix[k][k] += self.noise * sum;
+                }
+            }
+            solution = solve(&mut matrix, &right, self.taps);
+        }
+        let one = f64::from(1 << FRACTION);
+        let limit = f64::from(WEIGHT_LIMIT);
+        Some(solution.map(|weight| (weight * one).round().clamp(-limit, limit) as i32))
+    }
+
+    fn miss(&self, sample: &Sample, filter: &[f64; MAX_TAPS]) -> f32 {
+        let sum: f64 = (0..self.taps).map(|k| filter[k] * f64::from(sample.taps[k])).sum();
+        sample.target - sum as f32
+    }
+
+    /// Mean of the squared-off logarithms of what filters miss by: about the bits a cell takes, up to a constant.
+    pub(super) fn bits(&self, filters: [&[i32; MAX_TAPS]; 2], step: i64) -> f64 {
+        let scaled = filters.map(|filter| filter.map(|weight| f64::from(weight) / f64::from(1 << FRACTION)));
+        let unit = 0.3 * step as f32;
+        let mut bits = 0.0;
+        for sample in &self.samples {
+            let miss = self.miss(sample, &scaled[usize::from(sample.class)]).abs();
+            // The spread's part is what the contexts know already.
+            bits += f64::from(log2(miss * miss + unit * unit)) * 0.5;
+        }
+        bits / self.samples.len().max(1) as f64
+    }
+}
+
+/// Logarithm to base 2 from the bits of a float: the same on every machine, within 0.01.
+fn log2(value: f32) -> f32 {
+    let bits = value.to_bits();
+    let exponent = (bits >> 23) as f32 - 127.0;
+    let x = f32::from_bits((bits & 0x007f_ffff) | 0x3f80_0000) - 1.0;
+    exponent + x * (1.342_57 - 0.342_57 * x)
+}
+
+/// Solves a symmetric positive system by Cholesky's method; only the lower triangle is read.
+fn solve(matrix: &mut [[f64; MAX_TAPS]; MAX_TAPS], right: &[f64; MAX_TAPS], count: usize) -> [f64; MAX_TAPS] {
+    let mut x = [0.0; MAX_TAPS];
+    for i in 0..count {
+        for j in 0..=i {
+            let mut sum = matrix[i][j];
+            for k in 0..j {
+                sum -= matrix[i][k] * matrix[j][k];
+            }
+            matrix[i][j] = if i == j { sum.max(1e-12).sqrt() } else { sum / matrix[j][j] };
+        }
+    }
+    for i in 0..count {
+        let mut sum = right[i];
+        for k in 0..i {
+            sum -= matrix[i][k] * x[k];
+        }
+        x[i] = sum / matrix[i][i];
+    }
+    for i in (0..count).rev() {
+        let mut sum = x[i];
+        for k in i + 1..count {
+            sum -= matrix[k][i] * x[k];
+        }
+        x[i] = sum / matrix[i][i];
+    }
+    x
+}
+
+/// Sums for the fit of the weights of errors: what each part of the expectation was, and what the error was.
+pub(super) struct ErrorFit {
+    rows: Vec<([f32; ERROR_WEIGHTS], f32)>,
+}
+
+impl ErrorFit {
+    /// From the parts of the expected error and the error of cells.
+    pub(super) fn new(rows: Vec<([f32; ERROR_WEIGHTS], f32)>) -> Self {
+        Self { rows }
+    }
+
+    /// Codes of the best weights; those of parts that are 0 everywhere are 0.
+    pub(super) fn codes(&self, start: &PassParams) -> Option<[u8; ERROR_WEIGHTS]> {
+        if self.rows.len() < 300 {
+            return None;
+        }
+        let mut weights: [f64; ERROR_WEIGHTS] = start.weights.map(|weight| f64::from(weight) / 1024.0);
+        for _ in 0..3 {
+            let mut matrix = [[0.0f64; ERROR_WEIGHTS]; ERROR_WEIGHTS];
+            let mut right = [0.0f64; ERROR_WEIGHTS];
+            for (parts, error) in &self.rows {
+                let parts = parts.map(f64::from);
+                let expected: f64 = (0..ERROR_WEIGHTS).map(|k| weights[k] * parts[k]).sum();
+                let expected = expected.max(0.1 * parts[ERROR_WEIGHTS - 1]).max(1e-3);
+                let weight = 1.0 / (expected * expected.sqrt());
+                for k in 0..ERROR_WEIGHTS {
+                    right[k] += weight * parts[k] * f64::from(*error);
+                    for l in 0..ERROR_WEIGHTS {
+                        matrix[k][l] += weight * parts[k] * parts[l];
+                    }
+                }
+            }
+            for _ in 0..60 {
+                for k in 0..ERROR_WEIGHTS {
+                    if matrix[k][k] <= 0.0 {
+                        weights[k] = 0.0;
+                        continue;
+                    }
+                    let mut sum = right[k];
+                    for l in 0..ERROR_WEIGHTS {
+                        if l != k {
+                            sum -= matrix[k][l] * weights[l];
+                        }
+                    }
+                    weights[k] = (sum / matrix[k][k]).max(0.0);
+                }
+            }
+            weights[ERROR_WEIGHTS - 1] = weights[ERROR_WEIGHTS - 1].max(0.01);
+        }
+        Some(weights.map(|weight| code_of(weight * 1024.0)))
+    }
+}
+
+/// The code whose weight is nearest.
+fn code_of(weight: f64) -> u8 {
+    (0..=MAX_CODE)
+        .min_by(|&a, &b| {
+            let miss = |code: u8| (f64::from(weight_of(code)) - weight).abs();
+            miss(a).total_cmp(&miss(b))
+        })
+        .unwrap_or(0)
+}

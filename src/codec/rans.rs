@@ -1,0 +1,281 @@
+//! The entropy coder: range asymmetric numeral systems with fixed tables (Duda 2013, arXiv:1311.2540), several
+//! interleaved states, and alias tables (Walker 1974), so that a table of 64 symbols takes 512 bytes whatever its
+//! precision.
+//!
+//! A state is a 32-bit number of at least [`LOW`]. Symbol `i` of a segment belongs to state `i mod lanes`.
+
+use crate::error::{Error, ErrorKind, Result};
+
+/// Number of symbols of every table.
+pub(super) const SYMBOLS: usize = 64;
+/// Frequencies of a table add up to `1 << PRECISION`.
+pub(super) const PRECISION: u32 = 14;
+/// Sum of a table's frequencies.
+pub(super) const TOTAL: u32 = 1 << PRECISION;
+/// Least value of a state.
+const LOW: u32 = 1 << 16;
+/// Slots of one bucket of an alias table.
+const BUCKET_BITS: u32 = PRECISION - 6;
+const BUCKET: u32 = 1 << BUCKET_BITS;
+/// Most interleaved states.
+pub(super) const MAX_LANES: usize = 8;
+
+/// One bucket: its slots below `cutoff` belong to the symbol of the bucket's own number, the others to `other`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bucket {
+    cutoff: u16,
+    other: u8,
+    own_freq: u16,
+    other_freq: u16,
+    /// Added to the place within the bucket it gives the place within the other symbol (wrapping).
+    other_offset: u16,
+}
+
+/// A distribution of 64 symbols, ready to decode with.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    buckets: [Bucket; SYMBOLS],
+}
+
+impl Table {
+    /// Builds the alias table; the frequencies must add up to [`TOTAL`].
+    ///
+    /// Buckets with room are filled from buckets that overflow, the last of each list first, so that every reader
+    /// arrives at the same table.
+    pub(super) fn new(freq: &[u16; SYMBOLS]) -> Self {
+        let mut cutoff: [u32; SYMBOLS] = std::array::from_fn(|s| u32::from(freq[s]));
+        let mut other: [usize; SYMBOLS] = std::array::from_fn(|s| s);
+        let mut offset = [0u32; SYMBOLS];
+        let (mut under, mut over) = (Vec::new(), Vec::new());
+        for (symbol, &count) in cutoff.iter().enumerate() {
+            if count < BUCKET {
+                under.push(symbol);
+            } else if count > BUCKET {
+                over.push(symbol);
+            }
+        }
+        while let (Some(&from), Some(&into)) = (over.last(), under.last()) {
+            over.pop();
+            under.pop();
+            cutoff[from] -= BUCKET - cutoff[into];
+            other[into] = from;
+            offset[into] = cutoff[from];
+            if cutoff[from] < BUCKET {
+                under.push(from);
+            } else if cutoff[from] > BUCKET {
+                over.push(from);
+            }
+        }
+        let buckets = std::array::from_fn(|s| Bucket {
+            cutoff: cutoff[s] as u16,
+            other: other[s] as u8,
+            own_freq: freq[s],
+            other_freq: freq[other[s]],
+            other_offset: (offset[s] as u16).wrapping_sub(cutoff[s] as u16),
+        });
+        Self { buckets }
+    }
+
+    /// Symbol, its frequency, and the place of a slot within the symbol.
+    #[inline(always)]
+    fn find(&self, slot: u32) -> (u8, u32, u32) {
+        let index = (slot >> BUCKET_BITS) as usize & (SYMBOLS - 1);
+        let bucket = self.buckets[index];
+        let place = (slot & (BUCKET - 1)) as u16;
+        if place < bucket.cutoff {
+            (index as u8, u32::from(bucket.own_freq), u32::from(place))
+        } else {
+            (bucket.other, u32::from(bucket.other_freq), u32::from(place.wrapping_add(bucket.other_offset)))
+        }
+    }
+
+    /// The slots of each symbol in the order of their places: what an encoder needs.
+    pub(super) fn slots(&self, freq: &[u16; SYMBOLS]) -> Slots {
+        let mut start = [0u16; SYMBOLS];
+        let mut sum = 0;
+        for symbol in 0..SYMBOLS {
+            start[symbol] = sum;
+            sum = sum.wrapping_add(freq[symbol]);
+        }
+        let mut slots = vec![0; TOTAL as usize];
+        for slot in 0..TOTAL {
+            let (symbol, _, place) = self.find(slot);
+            slots[usize::from(start[usize::from(symbol)]) + place as usize] = slot as u16;
+        }
+        Slots { freq: *freq, start, slots }
+    }
+}
+
+/// A distribution of 64 symbols, ready to encode with.
+#[derive(Clone, Debug)]
+pub(super) struct Slots {
+    freq: [u16; SYMBOLS],
+    start: [u16; SYMBOLS],
+    slots: Vec<u16>,
+}
+
+/// How many states suit so many symbols: more are faster, each costs four bytes.
+pub(super) fn lanes_for(symbols: usize) -> usize {
+    match symbols {
+        0..4096 => 1,
+        4096..65_536 => 4,
+        _ => MAX_LANES,
+    }
+}
+
+/// Encodes symbols, each with its table, for [`Decoder`].
+pub(super) fn encode<'a>(symbols: &[(u16, u8)], slots: impl Fn(u16) -> &'a Slots) -> Vec<u8> {
+    if symbols.is_empty() {
+        return Vec::new();
+    }
+    let lanes = lanes_for(symbols.len());
+    let mut state = [LOW; MAX_LANES];
+    let mut words: Vec<u16> = Vec::with_capacity(symbols.len() / 4 + 2 * lanes);
+    for (index, &(table, symbol)) in symbols.iter().enumerate().rev() {
+        let slots = slots(table);
+        let symbol = usize::from(symbol);
+        let freq = u32::from(slots.freq[symbol]);
+        let x = &mut state[index & (lanes - 1)];
+        // The greatest state that the symbol maps below 2^32.
+        if u64::from(*x) >= u64::from(freq) << (32 - PRECISION) {
+            words.push(*x as u16);
+            *x >>= 16;
+        }
+        let place = usize::from(slots.start[symbol]) + (*x % freq) as usize;
+        *x = ((*x / freq) << PRECISION) + u32::from(slots.slots[place]);
+    }
+    let mut bytes = Vec::with_capacity(words.len() * 2 + lanes * 4);
+    for x in &state[..lanes] {
+        bytes.extend(x.to_le_bytes());
+    }
+    words.iter().rev().for_each(|word| bytes.extend(word.to_le_bytes()));
+    bytes
+}
+
+/// Decodes symbols in the order in which they were given to [`encode`].
+#[derive(Clone, Debug)]
+pub(super) struct Decoder<'a> {
+    state: [u32; MAX_LANES],
+    lane: usize,
+    mask: usize,
+    words: &'a [[u8; 2]],
+    position: usize,
+}
+
+impl<'a> Decoder<'a> {
+    /// Starts on the bytes of so many symbols.
+    pub(super) fn new(bytes: &'a [u8], symbols: usize) -> Result<Self> {
+        let corrupt = || Error::new(ErrorKind::Corrupt, "the tile's symbols end early");
+        let mut state = [LOW; MAX_LANES];
+        if symbols == 0 {
+            return match bytes.is_empty() {
+                true => Ok(Self { state, lane: 0, mask: 0, words: &[], position: 0 }),
+                false => Err(Error::new(ErrorKind::Corrupt, "the tile has symbols where there should be none")),
+            };
+        }
+        let lanes = lanes_for(symbols);
+        let (head, rest) = bytes.split_at_checked(lanes * 4).ok_or_else(corrupt)?;
+        for (x, chunk) in state.iter_mut().zip(head.as_chunks::<4>().0) {
+            *x = u32::from_le_bytes(*chunk);
+        }
+        let (words, odd) = rest.as_chunks::<2>();
+        if !odd.is_empty() {
+            return Err(corrupt());
+        }
+        Ok(Self { state, lane: 0, mask: lanes - 1, words, position: 0 })
+    }
+
+    /// The next symbol, which has the given table.
+    #[inline(always)]
+    pub(super) fn next(&mut self, table: &Table) -> u8 {
+        let lane = self.lane & (MAX_LANES - 1);
+        let x = self.state[lane];
+        let (symbol, freq, place) = table.find(x & (TOTAL - 1));
+        // Damaged states may overflow; the check at the end finds them.
+        let next = freq.wrapping_mul(x >> PRECISION).wrapping_add(place);
+        let refill = next < LOW;
+        let word = self.words.get(self.position).map_or(0, |&word| u32::from(u16::from_le_bytes(word)));
+        self.state[lane] = if refill { (next << 16) | word } else { next };
+        self.position += usize::from(refill);
+        self.lane = (self.lane + 1) & self.mask;
+        symbol
+    }
+
+    /// Fails unless exactly the given bytes were used and every state came back to where the encoder began.
+    pub(super) fn finish(self) -> Result<()> {
+        match self.position == self.words.len() && self.state.iter().all(|&x| x == LOW) {
+            true => Ok(()),
+            false => Err(Error::new(ErrorKind::Corrupt, "the tile's symbols do not end where they should")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frequencies that add up, from arbitrary weights.
+    fn frequencies(weights: &[u32]) -> [u16; SYMBOLS] {
+        let sum: u32 = weights.iter().sum();
+        let mut freq = [0u16; SYMBOLS];
+        let mut left = TOTAL;
+        for (symbol, &weight) in weights.iter().enumerate() {
+            freq[symbol] = (u64::from(weight) * u64::from(TOTAL) / u64::from(sum)) as u16;
+            left -= u32::from(freq[symbol]);
+        }
+        freq[0] += left as u16;
+        freq
+    }
+
+    #[test]
+    fn alias_tables_hold_each_symbol_as_often_as_they_should() {
+        for seed in 1..60u32 {
+            let weights: Vec<u32> = (0..SYMBOLS as u32).map(|s| (s * s * seed) % 97 / (1 + s % seed)).collect();
+            let freq = frequencies(&weights.iter().map(|w| w + u32::from(seed == 1)).collect::<Vec<_>>());
+            let table = Table::new(&freq);
+            let mut seen: Vec<Vec<u32>> = vec![Vec::new(); SYMBOLS];
+            for slot in 0..TOTAL {
+                let (symbol, count, place) = table.find(slot);
+                assert_eq!(count, u32::from(freq[usize::from(symbol)]));
+                seen[usize::from(symbol)].push(place);
+            }
+            for (symbol, places) in seen.iter_mut().enumerate() {
+                places.sort_unstable();
+                assert!(places.iter().copied().eq(0..u32::from(freq[symbol])), "symbol {symbol}");
+            }
+        }
+    }
+
+    #[test]
+    fn symbols_come_back() {
+        let freqs: Vec<_> = (1..5u32)
+            .map(|t| frequencies(&(0..SYMBOLS as u32).map(|s| 10_000 / (1 + s * s * t)).collect::<Vec<_>>()))
+            .chain([frequencies(&[1])])
+            .collect();
+        let tables: Vec<_> = freqs.iter().map(Table::new).collect();
+        let slots: Vec<_> = tables.iter().zip(&freqs).map(|(table, freq)| table.slots(freq)).collect();
+        for count in [0, 1, 2, 5, 4095, 4096, 70_001] {
+            let mut x = 12_345u32;
+            let symbols: Vec<(u16, u8)> = (0..count)
+                .map(|_| {
+                    x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    let table = (x >> 20) as usize % tables.len();
+                    let symbol = loop {
+                        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                        let symbol = (x >> 24) as usize % SYMBOLS;
+                        if freqs[table][symbol] > 0 {
+                            break symbol;
+                        }
+                    };
+                    (table as u16, symbol as u8)
+                })
+                .collect();
+            let bytes = encode(&symbols, |table| &slots[usize::from(table)]);
+            let mut decoder = Decoder::new(&bytes, symbols.len()).unwrap();
+            for &(table, symbol) in &symbols {
+                assert_eq!(decoder.next(&tables[usize::from(table)]), symbol);
+            }
+            decoder.finish().unwrap();
+        }
+    }
+}
