@@ -201,7 +201,7 @@ impl<W: Word> Task<'_, W> {
             return best;
         }
         let Some(filter) = samples.filter(None) else { return best };
-        let price = 10.0 * self.pass.tap_count() as f64;
+        let price = 8.0 * self.pass.tap_count() as f64;
         let found = samples.bits([&filter, &filter], self.rule.step) * count as f64 + price;
         if found < bits {
             (bits, best.filter_variant, best.filters) = (found, None, [filter; 2]);
