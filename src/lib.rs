@@ -8,7 +8,7 @@
 //! ```text
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
 //! 5  pipeline                jobs from files to files: memory, layers, tags
-//! 4  figures                 what the methods measured, as charts
+//! 4  figures   oro           what the methods measured, as charts; the .oro container
 //! 3  orometry      plot      the methods; pictures that know no methods
 //! 2  io        codec         files through GDAL; cells <-> bytes
 //! 1  grid          crs       rasters in memory; where they lie on Earth
@@ -21,16 +21,29 @@
 //! that sort as the elevations do, whatever the file's type. [`orometry::survey`] finds basins and passes tile by
 //! tile, joins them to the divide tree of the whole, prunes it and measures each peak with a [`crs::Metric`].
 //! `pipeline::layers` turns the result into rows, and `io::vector` writes them.
+//!
+//! # The container alone
+//!
+//! Without the feature `program` (`default-features = false`) there are only [`oro`], [`codec`] and what they stand on:
+//! no GDAL, no threads, and it builds for wasm32.
 
+#[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;
+#[cfg(feature = "program")]
 pub mod crs;
 pub mod error;
+#[cfg(feature = "program")]
 pub mod figures;
 pub mod grid;
+#[cfg(feature = "program")]
 pub mod io;
+pub mod oro;
+#[cfg(feature = "program")]
 pub mod orometry;
+#[cfg(feature = "program")]
 pub mod pipeline;
+#[cfg(feature = "program")]
 pub mod plot;
 pub mod units;
 pub mod watch;

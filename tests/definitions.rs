@@ -1,5 +1,7 @@
 //! The reference against answers worked out by hand from the definitions.
 
+#![cfg(feature = "program")]
+
 mod reference;
 
 use orograph::crs::{Ellipsoid, Geodesic, Metric, Planar};

@@ -2,6 +2,8 @@
 //!
 //! The files are read here with plain GDAL calls: what `io` makes of them is for its own tests to say.
 
+#![cfg(feature = "program")]
+
 mod reference;
 
 use gdal::Dataset;

@@ -43,6 +43,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("dejavu", &["plot"]),
     ("clap", &["cli", "main"]),
     ("rstar", &["orometry", "pipeline"]),
+    ("crc32c", &["oro"]),
+    ("sha2", &["oro"]),
 ];
 
 /// Macros that only these modules may call.

@@ -1,5 +1,7 @@
 //! `orograph map`, from the command line to the picture.
 
+#![cfg(feature = "program")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

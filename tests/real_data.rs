@@ -3,6 +3,8 @@
 //! `OROGRAPH_TEST_DATA` names a folder: every `*.tif` in it and in its folder `exemplars` is looked at, up to
 //! `OROGRAPH_TEST_CELLS` cells; isolations, which the reference scans for, up to `OROGRAPH_TEST_ISOLATION_CELLS`.
 
+#![cfg(feature = "program")]
+
 mod reference;
 
 use orograph::grid::Cell;

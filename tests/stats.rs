@@ -1,5 +1,7 @@
 //! `orograph stats`, as a user runs it.
 
+#![cfg(feature = "program")]
+
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

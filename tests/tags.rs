@@ -1,5 +1,7 @@
 //! `orograph peaks` with polygons and named points, as a user runs it.
 
+#![cfg(feature = "program")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 

@@ -1,5 +1,7 @@
 //! The program as a user runs it: exit codes, messages, files.
 
+#![cfg(feature = "program")]
+
 mod examples;
 mod failures;
 mod interrupt;

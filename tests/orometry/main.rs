@@ -2,6 +2,7 @@
 //!
 //! `PROPTEST_CASES` sets how many grids each property looks at.
 
+#![cfg(feature = "program")]
 #![allow(unreachable_pub, reason = "modules of a test binary say what they offer to each other")]
 
 mod agreement;
