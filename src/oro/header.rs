@@ -4,7 +4,7 @@ use super::bytes::Cursor;
 use crate::error::{Error, ErrorKind, Result};
 
 /// First bytes of every container.
-pub(super) const MAGIC: [u8; 4] = *b"\x89ORO";
+pub const MAGIC: [u8; 4] = *b"\x89ORO";
 /// The version of the format that this program writes; it reads the versions from 1 to this one.
 pub const VERSION: u16 = 1;
 /// Length of the header.

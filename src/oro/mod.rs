@@ -67,7 +67,7 @@ pub use description::{
     MAX_TEXT, MetadataItem, TILE_SIDE_STEP,
 };
 pub use directory::{Section, SectionType};
-pub use header::VERSION;
+pub use header::{MAGIC, VERSION};
 pub use reader::Reader;
 pub use source::RangeRead;
 pub use tiling::{Place, Tiling};
