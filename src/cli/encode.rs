@@ -143,11 +143,13 @@ fn promise_of(text: &str) -> Result<Promise> {
 
 fn text(report: &EncodeReport) -> String {
     let description = &report.description;
+    let tiles = description.tiling().tiles();
     let mut text = format!(
-        "{} x {} cells in {} tiles: {} of {} ({:.1} times smaller), {:.3} bits a cell, {:.1} s\n",
+        "{} x {} cells in {} {}: {} of {} ({:.1} times smaller), {:.3} bits a cell, {:.1} s\n",
         description.width,
         description.height,
-        description.tiling().tiles(),
+        tiles,
+        if tiles == 1 { "tile" } else { "tiles" },
         size_text(report.summary.bytes),
         size_text(report.raw_bytes),
         report.raw_bytes as f64 / report.summary.bytes as f64,

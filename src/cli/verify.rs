@@ -41,10 +41,10 @@ impl Verify {
 fn text(report: &CheckReport) -> String {
     let size = size_text(report.bytes);
     if report.is_sound() {
-        return format!("sound: {} tiles in {size}\n", report.chunks);
+        return format!("sound: {size}, tiles: {}\n", report.chunks);
     }
     let mut text: String = report.faults.iter().map(|fault| format!("{fault}\n")).collect();
-    text += &format!("damaged: {} faults in {} tiles, {size}\n", report.faults.len(), report.chunks);
+    text += &format!("damaged: faults: {}, tiles: {}, {size}\n", report.faults.len(), report.chunks);
     text
 }
 

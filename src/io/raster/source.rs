@@ -2,6 +2,7 @@
 
 use super::super::messages::{failure, quiet};
 use super::crs::{describe, parse_crs};
+use super::stored::MemoryRaster;
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{Elevations, GeoTransform, SampleType, window_of};
@@ -9,6 +10,7 @@ use crate::units::LengthUnit;
 use gdal::raster::{GdalDataType, RasterBand};
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// How to read a raster; what is `None` is taken from the file.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +43,8 @@ pub struct NoData {
 pub struct RasterSource {
     /// The file.
     pub path: PathBuf,
+    /// The raster in memory that is read in the file's place, where it had to be unpacked first.
+    pub(super) unpacked: Option<Arc<MemoryRaster>>,
     /// GDAL's short name of the format.
     pub driver: String,
     /// Number of the band, from 1.
@@ -112,6 +116,28 @@ impl RasterSource {
         Self::describe(&dataset, path, options).map_err(|error| error.at_path(path))
     }
 
+    /// Opens a band of a raster that a file was unpacked to; `path` is that file.
+    ///
+    /// # Errors
+    /// As [`RasterSource::open`].
+    pub fn open_unpacked(path: &Path, raster: MemoryRaster, options: &RasterOptions) -> Result<Self> {
+        let dataset = open_dataset(raster.path())?;
+        let mut source = Self::describe(&dataset, path, options).map_err(|error| error.at_path(path))?;
+        source.unpacked = Some(Arc::new(raster));
+        Ok(source)
+    }
+
+    /// Opens what the cells are read from.
+    pub(super) fn dataset(&self) -> Result<Dataset> {
+        open_dataset(self.unpacked.as_ref().map_or(&self.path, |raster| raster.path()))
+    }
+
+    /// Bytes of memory that the raster takes before it is read.
+    pub fn unpacked_bytes(&self) -> u64 {
+        let bytes = self.cells() * self.elevations.sample_type.bytes() as u64;
+        if self.unpacked.is_some() { bytes } else { 0 }
+    }
+
     fn describe(dataset: &Dataset, path: &Path, options: &RasterOptions) -> Result<Self> {
         let mut notes = Vec::new();
         let bands = dataset.raster_count();
@@ -170,6 +196,7 @@ impl RasterSource {
         let mask = !flags.is_all_valid() && (flags.is_per_dataset() || flags.is_alpha());
         Ok(Self {
             path: path.to_path_buf(),
+            unpacked: None,
             driver: dataset.driver().short_name(),
             band: number,
             bands,

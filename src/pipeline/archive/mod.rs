@@ -6,6 +6,7 @@
 mod batch;
 mod container;
 pub mod decode;
+mod dem;
 pub mod encode;
 mod input;
 mod promise;
@@ -14,5 +15,6 @@ mod stream;
 pub mod verify;
 
 pub use container::{ContainerOptions, ContainerSource, is_container};
+pub use dem::open_dem;
 pub use promise::Promise;
 pub use stream::Target;

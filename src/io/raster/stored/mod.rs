@@ -4,9 +4,11 @@
 //! with a record in any format that GDAL writes. Nothing is converted, scaled, turned round or filled in between.
 
 mod cell;
+mod describe;
 mod driver;
 mod georeference;
 mod mask;
+mod memory;
 mod metadata;
 mod record;
 mod source;
@@ -14,6 +16,7 @@ mod target;
 
 pub use cell::StoredCell;
 pub use driver::Format;
+pub use memory::{MemoryRaster, MemoryTarget};
 pub use record::{BandRecord, Item, Record};
 pub use source::{StoredOptions, StoredSource};
 pub use target::StoredTarget;
