@@ -91,6 +91,9 @@ impl Area {
 
 /// Reads a range that is known to lie in the file.
 pub(super) fn read_range(source: &impl RangeRead, range: &Range<u64>) -> Result<Vec<u8>> {
+    if range.is_empty() {
+        return Ok(vec![]);
+    }
     let length = usize::try_from(range.end - range.start)
         .map_err(|_| Error::new(ErrorKind::Unsupported, "more bytes in one piece than this machine can hold"))?;
     let bytes = source.read_at(range.start, length)?;

@@ -1,6 +1,7 @@
 //! The footer: the last bytes of a file, from which a reader finds everything else.
 
 use super::bytes::Cursor;
+use super::directory;
 use super::header::Profile;
 use crate::error::Result;
 
@@ -41,7 +42,7 @@ impl Footer {
 
     /// Reads the footer and finds the directory before it, in the last bytes of a file.
     ///
-    /// The directory is at most 64 KiB long: `tail` must be that much longer than a footer, or the whole file.
+    /// `tail` must be longer than a footer and the greatest directory, or be the whole file.
     pub(super) fn read(tail: &[u8]) -> Result<(Self, &[u8])> {
         let mut cursor = Cursor::new(&tail[tail.len().saturating_sub(LENGTH)..], "footer");
         let bytes = cursor.take(LENGTH)?;
@@ -54,6 +55,9 @@ impl Footer {
         hash.copy_from_slice(fields.take(HASH)?);
         let directory_length = fields.u16()?;
         let profile = Profile { version: fields.u16()?, flags: fields.u16()? };
+        if usize::from(directory_length) > directory::MAX_LENGTH {
+            return Err(fields.corrupt(format!("a directory of {directory_length} bytes")));
+        }
         let end = tail.len() - LENGTH;
         let directory = end.checked_sub(usize::from(directory_length)).map(|start| &tail[start..end]);
         let directory = directory.ok_or_else(|| fields.corrupt("the directory is longer than the file"))?;

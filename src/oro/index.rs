@@ -134,9 +134,10 @@ impl Column {
         if self.width == 0 {
             return u64::from(self.least);
         }
-        let bit = chunk as usize * self.width as usize;
+        // Bits need more than 32 bits to count even where bytes do not.
+        let bit = chunk * u64::from(self.width);
         let mut bytes = [0; 8];
-        for (to, from) in bytes.iter_mut().zip(&self.packed[bit / 8..]) {
+        for (to, from) in bytes.iter_mut().zip(&self.packed[(bit / 8) as usize..]) {
             *to = *from;
         }
         let value = u64::from_le_bytes(bytes) >> (bit % 8) & ((1 << self.width) - 1);
