@@ -184,4 +184,22 @@ mod tests {
             assert!(Index::read(&mut Cursor::new(&bytes, "section INDX"), count as u64, total + 1).is_err());
         }
     }
+
+    /// The specification explains these bytes.
+    #[test]
+    fn the_worked_example_holds() {
+        let mut bytes = vec![];
+        write(&mut bytes, &[[5, 7, 0, 0], [6, 7, 0, 0], [12, 7, 0, 0]]);
+        assert_eq!(bytes, [0x05, 0x03, 0xc8, 0x01, 0x07, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn an_index_of_ten_thousand_large_tiles_takes_ten_bytes_each() {
+        // Tiles of 1024 x 1024 floats, as unlike in their sizes as can be.
+        let mut lengths = vec![[1, 1, 1, 1]; 10_000];
+        lengths[5] = [1 << 16, 1 << 18, 1 << 20, 1 << 22];
+        let mut bytes = vec![];
+        write(&mut bytes, &lengths);
+        assert!(bytes.len() <= 100_000, "{} bytes", bytes.len());
+    }
 }

@@ -245,3 +245,22 @@ fn read_items(texts: &mut text::Decoder, count: u64) -> Result<Vec<MetadataItem>
     }
     Ok(items)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The specification explains these bytes.
+    #[test]
+    fn the_worked_example_holds() {
+        let mut band = Band { unit: "m".into(), ..Band::new(SampleType::I16) };
+        band.rule.nodata = Some(0x8000);
+        let mut description = Description::new(2, 1, vec![band]);
+        description.georeference.transform = Some(GeoTransform([500_000.0, 30.0, 0.0, 5_100_000.0, 0.0, -30.0]));
+        let mut expected = vec![2, 1, 0x10, 1, 1, 1, 0x04, 0x80, 0x84, 0x1e, 0x41, 0x02, 0x3e, 0x40];
+        expected.extend([0x04, 0x78, 0x74, 0x53, 0x41, 0x8b, 0x00, 0x80, 0x00, 0x1b, 0xe9]);
+        assert_eq!(write(&description), expected);
+        assert_eq!(read(&expected, 100).unwrap(), description);
+        assert!(read(&expected, 4).is_err(), "a chunk has at least 5 bytes");
+    }
+}
