@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  orograph encode fixtures/jacksboro.tif jacksboro.oro\n  \
                         orograph decode jacksboro.oro jacksboro.tif\n  \
-                        orograph decode jacksboro.oro quarter.asc --level 2")]
+                        orograph decode jacksboro.oro quarter.tif --level 2")]
 pub(super) struct Decode {
     /// Container: an .oro file.
     #[arg(value_name = "IN.oro")]

@@ -44,7 +44,7 @@ fn text(report: &CheckReport) -> String {
         return format!("sound: {size}, tiles: {}\n", report.chunks);
     }
     let mut text: String = report.faults.iter().map(|fault| format!("{fault}\n")).collect();
-    text += &format!("damaged: faults: {}, tiles: {}, {size}\n", report.faults.len(), report.chunks);
+    text += &format!("damaged: {size}, tiles: {}, faults: {}\n", report.chunks, report.faults.len());
     text
 }
 
