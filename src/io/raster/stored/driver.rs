@@ -34,10 +34,16 @@ impl Format {
             Some(name) => DriverManager::get_driver_by_name(name).map_err(|_| {
                 Error::usage(format!("--of {name}: this GDAL has no such format; gdalinfo --formats lists them"))
             })?,
-            None => DriverManager::get_output_driver_for_dataset_name(path, DriverType::Raster).ok_or_else(|| {
-                let message = "its extension stands for no raster format that this GDAL writes; name one with --of";
-                Error::usage(message).at_path(path)
-            })?,
+            None => {
+                // Some formats have no extension, which is not to say that a name without one means them.
+                let found = path
+                    .extension()
+                    .and_then(|_| DriverManager::get_output_driver_for_dataset_name(path, DriverType::Raster));
+                found.ok_or_else(|| {
+                    let message = "its extension stands for no raster format that this GDAL writes; name one with --of";
+                    Error::usage(message).at_path(path)
+                })?
+            }
         };
         let short = driver.short_name();
         let can = |what: &str| driver.metadata_item(what, "").is_some();
@@ -92,8 +98,8 @@ impl Format {
     pub(super) fn options(&self, record: &Record, given: &[(String, String)]) -> Result<CslStringList> {
         let mut options: Vec<(String, String)> = given.to_vec();
         let gives = |key: &str| given.iter().any(|(known, _)| known.eq_ignore_ascii_case(key));
-        let mut add = |key: &str, value: &str| {
-            if !gives(key) {
+        let mut add = |option: &str| {
+            if let Some((key, value)) = option.split_once('=').filter(|(key, _)| !gives(key)) {
                 options.push((key.into(), value.into()));
             }
         };
@@ -101,18 +107,24 @@ impl Format {
             let known = self.driver()?.metadata_item("DMD_CREATIONOPTIONLIST", "").unwrap_or_default();
             let is_float = record.bands.iter().any(|band| band.sample.is_float());
             if !gives("COMPRESS") {
-                add("COMPRESS", if known.contains("<Value>ZSTD</Value>") { "ZSTD" } else { "DEFLATE" });
-                add("PREDICTOR", if is_float { "3" } else { "2" });
+                // What is unpacked is for work: quick to write and to read.
+                match known.contains("<Value>ZSTD</Value>") {
+                    true => ["COMPRESS=ZSTD", "ZSTD_LEVEL=1"].iter().for_each(|option| add(option)),
+                    false => add("COMPRESS=DEFLATE"),
+                }
+                add(if is_float { "PREDICTOR=3" } else { "PREDICTOR=2" });
             }
-            add("TILED", "YES");
-            add("BIGTIFF", "IF_SAFER");
+            // The bytes do not depend on it.
+            add(&format!("NUM_THREADS={}", rayon::current_num_threads()));
+            add("TILED=YES");
+            add("BIGTIFF=IF_SAFER");
             if record.bands.len() > 1 {
-                add("INTERLEAVE", "BAND");
+                add("INTERLEAVE=BAND");
             }
         }
         let is_signed_byte = record.bands.first().is_some_and(|band| band.sample == SampleType::I8);
         if is_signed_byte && !knows_int8() {
-            add("PIXELTYPE", "SIGNEDBYTE");
+            add("PIXELTYPE=SIGNEDBYTE");
         }
         let mut list = CslStringList::new();
         for (key, value) in &options {
