@@ -86,7 +86,8 @@ impl Samples {
             *own = tap.0 == super::taps::Source::Own;
         }
         own[pass.taps().len()..].fill(true);
-        Self { samples, taps, noise: ((step * step - 1) as f64) / 12.0, own }
+        let step = step as f64;
+        Self { samples, taps, noise: (step * step - 1.0) / 12.0, own }
     }
 
     /// Number of samples.

@@ -37,12 +37,20 @@ impl TileShape {
     /// The shape of a level: `ceil(side / 2^level)`.
     #[must_use]
     pub fn at_level(self, level: u8) -> Self {
-        Self { width: self.width.div_ceil(1 << level), height: self.height.div_ceil(1 << level) }
+        let step = 1usize.checked_shl(u32::from(level)).unwrap_or(usize::MAX);
+        Self { width: self.width.div_ceil(step), height: self.height.div_ceil(step) }
     }
 
     /// Number of cells.
     pub fn cells(self) -> usize {
         self.width * self.height
+    }
+
+    fn check(self) -> Result<()> {
+        match (1..=MAX_TILE_SIDE).contains(&self.width) && (1..=MAX_TILE_SIDE).contains(&self.height) {
+            true => Ok(()),
+            false => Err(Error::new(ErrorKind::Usage, format!("a tile has 1 to {MAX_TILE_SIDE} cells a side"))),
+        }
     }
 }
 
@@ -82,8 +90,14 @@ pub fn segments_for(level: u8) -> usize {
 /// Encodes the cells of a tile.
 ///
 /// # Errors
-/// When the cells are not of the rule's type or do not fill the shape.
+/// When the cells are not of the rule's type or do not fill the shape, or the bound is no number above 0.
 pub fn encode_tile(cells: &Cells, shape: TileShape, rule: &BandRule) -> Result<EncodedTile> {
+    shape.check()?;
+    if let Bound::MaxError(bound) = rule.bound
+        && !(bound > 0.0 && bound.is_finite())
+    {
+        return Err(Error::new(ErrorKind::Usage, format!("a greatest error of {bound}: expected a number above 0")));
+    }
     if cells.sample() != rule.sample || cells.len() != shape.cells() || cells.is_empty() {
         return Err(Error::new(ErrorKind::Usage, "the cells do not fit the tile"));
     }
@@ -353,9 +367,7 @@ fn take_part<'a>(segment: &mut &'a [u8]) -> Result<&'a [u8]> {
 /// # Errors
 /// [`ErrorKind::Corrupt`] when the bytes are no tile of that shape and rule.
 pub fn decode_tile(segments: &[&[u8]], shape: TileShape, rule: &BandRule, level: u8) -> Result<Cells> {
-    if shape.width == 0 || shape.height == 0 || shape.width > MAX_TILE_SIDE || shape.height > MAX_TILE_SIDE {
-        return Err(Error::new(ErrorKind::Usage, format!("a tile has 1 to {MAX_TILE_SIDE} cells a side")));
-    }
+    shape.check()?;
     let segments = segments
         .get(..segments_for(level))
         .ok_or_else(|| Error::new(ErrorKind::Corrupt, "a segment of the tile is missing"))?;
@@ -386,11 +398,13 @@ fn decode_levels<W: Word>(
         let span = segment_levels(index, levels);
         let (mut bits, mut rest) = match index {
             0 => (first_bits.clone(), first_rest),
+            _ if segment.is_empty() && span.is_empty() => continue,
             _ if segment.is_empty() => {
-                if !span.is_empty() && (header.mapping.range_bits > 0 || header.voids.is_some() || header.patched) {
+                if header.mapping.range_bits > 0 || header.patched {
                     return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} is empty")));
                 }
-                continue;
+                // Its parts are empty too: a mask may need no bytes.
+                (BitReader::new(&[]), if header.voids.is_some() { &[0][..] } else { &[] })
             }
             _ => {
                 let mut rest = *segment;
