@@ -7,7 +7,7 @@ use super::taps::{MAX_TAPS, Pass};
 use std::sync::OnceLock;
 
 /// Number of the table set that this build writes and reads.
-pub(crate) const TABLE_SET: u16 = 1;
+pub const TABLE_SET: u16 = 1;
 
 /// The set as it is written down in `format-spec/`.
 const BYTES: &[u8] = include_bytes!("../../format-spec/tables/codec-1.bin");

@@ -4,7 +4,7 @@ use super::super::memory::BatchNeeds;
 use crate::codec::Cells;
 
 /// Bytes that encoding or decoding a cell takes while its tile is worked on.
-const CODEC_BYTES_PER_CELL: u64 = 40;
+const CODEC_BYTES_PER_CELL: u64 = 80;
 
 /// Bytes of cells that are worked on at once where the memory takes them: enough tiles for many threads.
 const BATCH_BYTES: u64 = 128 << 20;
