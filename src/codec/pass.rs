@@ -139,6 +139,12 @@ pub(super) fn as_error(magnitude: u32, coarseness: u32) -> u32 {
     ((magnitude.min(1 << 29) << 2) >> coarseness).min(ERROR_LIMIT)
 }
 
+/// The mean of four cells, rounded down. Their sum could overflow where their differences do not.
+#[inline(always)]
+pub(super) fn mean<W: Word>(a: W, b: W, c: W, d: W) -> W {
+    a.plus(b.minus(a).plus(c.minus(a)).plus(d.minus(a)).halved(2))
+}
+
 /// Nearest cells, their mean, their spread, and what of the expected error they tell.
 fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params: &PassParams, rule: TileRule) {
     let count = rows.base.len();
@@ -150,7 +156,7 @@ fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params:
     let classes = params.classes == 2;
     for j in 0..count {
         let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
-        let base = a.plus(b).plus(c.plus(d)).halved(2);
+        let base = mean(a, b, c, d);
         rows.base[j] = base;
         let spread = [a, b, c, d].map(|x| x.minus(base).magnitude() >> 2);
         let spread = spread[0] + spread[1] + (spread[2] + spread[3]);
