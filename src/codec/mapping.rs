@@ -11,6 +11,9 @@ use crate::grid::SampleType;
 /// Step of the quantiser of [`Meaning::Fixed`]: the units in twice the bound.
 pub(super) const FIXED_STEP: i64 = 9;
 
+/// Greatest error in units, rounded down half a step: errors of cells, in coarse units, stay 32-bit numbers.
+const HALF_STEP_LIMIT: u64 = u32::MAX as u64;
+
 /// Most values of a list.
 const LIST_LIMIT: u64 = 1 << 14;
 
@@ -101,8 +104,8 @@ impl Mapping {
             return Err(corrupt(format!("a tile's range has {range_bits} bits; at most 64 are allowed")));
         }
         let half = bits.take_number(2);
-        if half >= 1 << 61 {
-            return Err(corrupt("a tile's step is too large"));
+        if half > HALF_STEP_LIMIT {
+            return Err(corrupt(format!("half a tile's step is {half}; at most {HALF_STEP_LIMIT} is allowed")));
         }
         let step = half as i64 * 2 + 1;
         let is_float = matches!(sample, SampleType::F32 | SampleType::F64);

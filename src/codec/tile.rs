@@ -2,8 +2,8 @@
 
 use super::Cells;
 use super::bits::{BitReader, BitWriter};
-use super::encode::{SegmentParts, encode_levels};
-use super::level::{Level, SegmentBody, decode_segment, levels, segment_levels};
+use super::encode::{Pyramid, SegmentParts, TileEncoder};
+use super::level::{Decoded, Level, SegmentBody, decode_segment, levels, segment_levels};
 use super::mapping::Mapping;
 use super::mask::{decode_voids, encode_voids, void_levels};
 use super::pass::TileRule;
@@ -37,12 +37,20 @@ impl TileShape {
     /// The shape of a level: `ceil(side / 2^level)`.
     #[must_use]
     pub fn at_level(self, level: u8) -> Self {
-        Self { width: self.width.div_ceil(1 << level), height: self.height.div_ceil(1 << level) }
+        let step = 1usize.checked_shl(u32::from(level)).unwrap_or(usize::MAX);
+        Self { width: self.width.div_ceil(step), height: self.height.div_ceil(step) }
     }
 
     /// Number of cells.
     pub fn cells(self) -> usize {
         self.width * self.height
+    }
+
+    fn check(self) -> Result<()> {
+        match (1..=MAX_TILE_SIDE).contains(&self.width) && (1..=MAX_TILE_SIDE).contains(&self.height) {
+            true => Ok(()),
+            false => Err(Error::new(ErrorKind::Usage, format!("a tile has 1 to {MAX_TILE_SIDE} cells a side"))),
+        }
     }
 }
 
@@ -82,8 +90,14 @@ pub fn segments_for(level: u8) -> usize {
 /// Encodes the cells of a tile.
 ///
 /// # Errors
-/// When the cells are not of the rule's type or do not fill the shape.
+/// When the cells are not of the rule's type or do not fill the shape, or the bound is no number above 0.
 pub fn encode_tile(cells: &Cells, shape: TileShape, rule: &BandRule) -> Result<EncodedTile> {
+    shape.check()?;
+    if let Bound::MaxError(bound) = rule.bound
+        && !(bound > 0.0 && bound.is_finite())
+    {
+        return Err(Error::new(ErrorKind::Usage, format!("a greatest error of {bound}: expected a number above 0")));
+    }
     if cells.sample() != rule.sample || cells.len() != shape.cells() || cells.is_empty() {
         return Err(Error::new(ErrorKind::Usage, "the cells do not fit the tile"));
     }
@@ -219,21 +233,26 @@ fn finish<W: Word>(
 ) -> Result<Attempt> {
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(voids, shape, levels) };
-    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Plane<W>>) =
+    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Vec<W>>) =
         (false, Default::default(), None);
     if mapping.range_bits > 0 {
         let plain = TileRule::new(mapping.step, mapping.range_bits, false);
-        let parallel = encode_levels::<W>(xs, shape, levels, &holes, plain, false)?;
-        let chained = encode_levels::<W>(xs, shape, levels, &holes, TileRule { serial: true, ..plain }, false)?;
-        // Serial tiles take more than twice as long to decode: they have to be worth it.
+        let pyramid = Pyramid::<W>::new(xs, shape, levels, &holes);
+        let mut parallel = TileEncoder::new(&pyramid, plain);
+        let mut chained = TileEncoder::new(&pyramid, TileRule { serial: true, ..plain });
+        // The coarser levels tell which kind of tile is smaller; the finest, three quarters of the work, is coded once.
+        for level in (1..levels).rev() {
+            parallel.code_level(level)?;
+            chained.code_level(level)?;
+        }
+        // Serial tiles take longer to decode: they have to be worth it.
         serial = chained.cost + chained.cost / 256 < parallel.cost;
-        let coded = if serial { chained } else { parallel };
-        (parts, decoded_xs) = (coded.segments, Some(coded.level.cells));
+        let mut coded = if serial { chained } else { parallel };
+        coded.code_level(0)?;
+        (parts, decoded_xs) = (coded.segments, Some(coded.cells));
     }
     let mut decoded = match &decoded_xs {
-        Some(plane) => {
-            restore((0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide())), &mapping, rule)
-        }
+        Some(xs) => restore(xs.iter().map(|x| x.wide()), &mapping, rule),
         None => restore(std::iter::repeat_n(0, cells.len()), &mapping, rule),
     };
     let commonest = commonest_void(cells, voids, rule);
@@ -348,9 +367,7 @@ fn take_part<'a>(segment: &mut &'a [u8]) -> Result<&'a [u8]> {
 /// # Errors
 /// [`ErrorKind::Corrupt`] when the bytes are no tile of that shape and rule.
 pub fn decode_tile(segments: &[&[u8]], shape: TileShape, rule: &BandRule, level: u8) -> Result<Cells> {
-    if shape.width == 0 || shape.height == 0 || shape.width > MAX_TILE_SIDE || shape.height > MAX_TILE_SIDE {
-        return Err(Error::new(ErrorKind::Usage, format!("a tile has 1 to {MAX_TILE_SIDE} cells a side")));
-    }
+    shape.check()?;
     let segments = segments
         .get(..segments_for(level))
         .ok_or_else(|| Error::new(ErrorKind::Corrupt, "a segment of the tile is missing"))?;
@@ -374,18 +391,20 @@ fn decode_levels<W: Word>(
 ) -> Result<Cells> {
     let levels = levels(shape);
     let tile_rule = TileRule::new(header.mapping.step, header.mapping.range_bits, header.serial);
-    let mut level = Level::seed(W::from_wide(header.seed));
+    let mut decoded = Decoded::Level(Level::seed(W::from_wide(header.seed)));
     let mut holes = header.voids.map(|top| Plane::framed(&[u8::from(top)], 1));
     let mut patches = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
         let span = segment_levels(index, levels);
         let (mut bits, mut rest) = match index {
             0 => (first_bits.clone(), first_rest),
+            _ if segment.is_empty() && span.is_empty() => continue,
             _ if segment.is_empty() => {
-                if !span.is_empty() && (header.mapping.range_bits > 0 || header.voids.is_some() || header.patched) {
+                if header.mapping.range_bits > 0 || header.patched {
                     return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} is empty")));
                 }
-                continue;
+                // Its parts are empty too: a mask may need no bytes.
+                (BitReader::new(&[]), if header.voids.is_some() { &[0][..] } else { &[] })
             }
             _ => {
                 let mut rest = *segment;
@@ -403,7 +422,10 @@ fn decode_levels<W: Word>(
         if header.mapping.range_bits > 0 {
             let raw = take_part(&mut rest)?;
             let body = SegmentBody { raw, symbols: rest };
-            level = decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            if let Decoded::Level(level) = decoded {
+                decoded =
+                    decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            }
             rest = &[];
         }
         if !rest.is_empty() {
@@ -419,9 +441,11 @@ fn decode_levels<W: Word>(
     let mut cells = match header.mapping.range_bits {
         0 => restore(std::iter::repeat_n(0, asked.cells()), &header.mapping, rule),
         _ => {
-            let plane = &level.cells;
-            let xs = (0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide()));
-            restore(xs, &header.mapping, rule)
+            let xs = match decoded {
+                Decoded::Cells(cells) => cells,
+                Decoded::Level(level) => level.flat(),
+            };
+            restore(xs.iter().map(|x| x.wide()), &header.mapping, rule)
         }
     };
     if let Some(holes) = &holes {

@@ -1,7 +1,7 @@
 //! What a trainer of tables needs of the encoder: `tools/train` is its only user.
 
 use super::Cells;
-use super::encode::{Fitted, encode_levels};
+use super::encode::{Fitted, Pyramid, TileEncoder};
 use super::level::levels;
 use super::mask::void_levels;
 use super::pass::TileRule;
@@ -29,8 +29,13 @@ pub fn observe(cells: &Cells, shape: TileShape, rule: &BandRule, serial: bool) -
     }
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(&voids, shape, levels) };
-    let rule = TileRule::new(mapping.step, mapping.range_bits, serial);
-    let coded = encode_levels::<i32>(&xs, shape, levels, &holes, rule, true)?;
+    let pyramid = Pyramid::<i32>::new(&xs, shape, levels, &holes);
+    let mut coded = TileEncoder::new(&pyramid, TileRule::new(mapping.step, mapping.range_bits, serial));
+    coded.observed = Some(Default::default());
+    for level in (0..levels).rev() {
+        coded.code_level(level)?;
+    }
+    let observed = coded.observed.unwrap_or_default();
     let tell = |f: Fitted| (f.pass, f.serial, f.step, f.cells, f.filter, f.codes);
-    Ok(Observed { residuals: coded.spread, passes: coded.fitted.into_iter().map(tell).collect() })
+    Ok(Observed { residuals: observed.spread, passes: observed.fitted.into_iter().map(tell).collect() })
 }
