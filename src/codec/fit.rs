@@ -146,11 +146,11 @@ impl Samples {
                 }
             }
             let trace: f64 = (0..self.taps).map(|k| matrix[k][k]).sum::<f64>() / self.taps as f64;
-            for k in 0..self.taps {
-                matrix[k][k] += 1e-5 * trace + 1e-9;
+            for (k, row) in matrix.iter_mut().enumerate().take(self.taps) {
+                row[k] += 1e-5 * trace + 1e-9;
                 if self.own[k] {
                     // The decoder sees these cells with the quantiser's noise; here they have none.
-                    matrix[k][k] += self.noise * sum;
+                    row[k] += self.noise * sum;
                 }
             }
             solution = solve(&mut matrix, &right, self.taps);
@@ -201,10 +201,8 @@ fn solve(matrix: &mut [[f64; MAX_TAPS]; MAX_TAPS], right: &[f64; MAX_TAPS], coun
     let mut x = [0.0; MAX_TAPS];
     for i in 0..count {
         for j in 0..=i {
-            let mut sum = matrix[i][j];
-            for k in 0..j {
-                sum -= matrix[i][k] * matrix[j][k];
-            }
+            let known: f64 = matrix[i][..j].iter().zip(&matrix[j][..j]).map(|(a, b)| a * b).sum();
+            let sum = matrix[i][j] - known;
             matrix[i][j] = if i == j { sum.max(1e-12).sqrt() } else { sum / matrix[j][j] };
         }
     }
