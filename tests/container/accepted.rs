@@ -127,15 +127,15 @@ fn types() -> Vec<Vector> {
         }),
         ("u32-noise", "any u32: escapes, raw bits, words of 64 bits", bits(SampleType::U32, 20)),
         ("i32-noise", "any i32", bits(SampleType::I32, 20)),
-        ("f64-noise", "any finite f64: numbers that wrap", bits(SampleType::F64, 12)),
+        ("f64-noise", "any f64 from 1 to 2^1000: 62 range bits", bits(SampleType::F64, 12)),
     ]
 }
 
-/// Cells of any bits that are numbers.
+/// Cells of any bits; floats from 1 to 2^1000.
 fn cells_without_voids(sample: SampleType, count: usize) -> Cells {
     match sample {
         SampleType::F64 => {
-            Cells::F64(noise(9).map(f64::from_bits).filter(|value| value.is_finite()).take(count).collect())
+            Cells::F64(noise(9).map(|bits| f64::from_bits(bits % (1000 << 52) + (1023 << 52))).take(count).collect())
         }
         _ => cells(sample, count, 9),
     }
