@@ -6,7 +6,7 @@ use super::fit::{ErrorFit, Samples};
 use super::level::{Level, plane_shape, refine};
 use super::mask::VoidLevel;
 use super::params::{ERROR_WEIGHTS, PassParams, SHIFT_LIMIT};
-use super::pass::{Ask, Residuals, TileRule, as_error, run_pass};
+use super::pass::{Ask, Residuals, TileRule, as_error, mean, run_pass};
 use super::plane::Plane;
 use super::rans;
 use super::tables::{CENTRE, ESCAPE, SHAPES, TableRef, VARIANTS, reshaped, table_set};
@@ -247,7 +247,7 @@ impl<W: Word> Task<'_, W> {
                 }
                 let near: [W; 4] = std::array::from_fn(|k| self.cells.run(&own.cells, taps[k], row, width)[col]);
                 let [a, b, c, d] = near;
-                let base = a.plus(b).plus(c.plus(d)).halved(2);
+                let base = mean(a, b, c, d);
                 let spread: u32 = near.iter().map(|x| x.minus(base).magnitude() >> 2).sum();
                 let across = match self.pass {
                     Pass::C => a.plus(d).minus(b.plus(c)),

@@ -59,7 +59,8 @@ impl Samples {
                     continue;
                 }
                 let near: [i64; 4] = std::array::from_fn(|k| runs[k][col].wide());
-                let base = (near[0].wrapping_add(near[1]).wrapping_add(near[2].wrapping_add(near[3]))) >> 2;
+                let above = |k: usize| near[k].wrapping_sub(near[0]);
+                let base = near[0].wrapping_add(above(1).wrapping_add(above(2)).wrapping_add(above(3)) >> 2);
                 let relative = |value: W| value.wide().wrapping_sub(base) as f32;
                 let mut sample = Sample { taps: [0.0; MAX_TAPS], target: relative(line[col]), weight: 0.0, class: 0 };
                 for (tap, run) in sample.taps.iter_mut().zip(&runs) {

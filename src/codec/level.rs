@@ -154,6 +154,10 @@ pub(super) fn decode_segment<W: Word>(
     let mut reading =
         Reading { set: table_set(), symbols: Decoder::new(body.symbols, count)?, raw: BitReader::new(body.raw) };
     for (place, l) in span.clone().rev().enumerate() {
+        if l < finest {
+            // A small tile: the coarsest cell is all that was asked for.
+            return Ok(Decoded::Level(level));
+        }
         let refined = refine(&level, |pass, cells, errors| {
             let hole = voids.get(place).map(|level| &level.planes[pass as usize]);
             let size = plane_shape(pass, shape.at_level(l));

@@ -11,7 +11,7 @@ use crate::grid::SampleType;
 /// Step of the quantiser of [`Meaning::Fixed`]: the units in twice the bound.
 pub(super) const FIXED_STEP: i64 = 9;
 
-/// Greatest error in units, rounded down half a step: errors of cells, in coarse units, stay 32-bit numbers.
+/// Greatest half of a step, rounded down. Encoders need no more, and shifts of errors stay below 32 bits.
 const HALF_STEP_LIMIT: u64 = u32::MAX as u64;
 
 /// Most values of a list.

@@ -192,13 +192,19 @@ pub(super) fn as_error(magnitude: u32, coarseness: u32) -> u32 {
     ((magnitude.min(1 << 29) << 2) >> coarseness).min(ERROR_LIMIT)
 }
 
+/// The mean of four cells, rounded down. Their sum could overflow where their differences do not.
+#[inline(always)]
+pub(super) fn mean<W: Word>(a: W, b: W, c: W, d: W) -> W {
+    a.plus(b.minus(a).plus(c.minus(a)).plus(d.minus(a)).halved(2))
+}
+
 /// Nearest cells, their mean, their spread, and what of the expected error they tell.
 fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params: &PassParams, rule: TileRule) {
     let count = rows.base.len();
     let [a, b, c, d] = near.map(|run| &run[..count]);
     let (base, expected) = (&mut rows.base[..count], &mut rows.expected[..count]);
     for j in 0..count {
-        base[j] = a[j].plus(b[j]).plus(c[j].plus(d[j])).halved(2);
+        base[j] = mean(a[j], b[j], c[j], d[j]);
     }
     let (spread_weight, across_weight) = (params.weights[3], params.weights[4]);
     let coarseness = rule.coarseness;

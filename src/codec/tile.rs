@@ -315,6 +315,7 @@ fn read_patches(
     bits: &mut BitReader<'_>,
     sample: SampleType,
     shape: TileShape,
+    segment: usize,
     patches: &mut Vec<(usize, u64)>,
 ) -> Result<()> {
     let count = bits.take_number(2);
@@ -326,6 +327,10 @@ fn read_patches(
         let index = next.saturating_add(bits.take_number(8));
         if index >= shape.cells() as u64 {
             return Err(Error::new(ErrorKind::Corrupt, "a patch lies outside of its tile"));
+        }
+        // Coarse levels would be other cells than those of the finest one.
+        if segment_of(index as usize, shape.width) != segment {
+            return Err(Error::new(ErrorKind::Corrupt, "a patch stands in another segment than its cell"));
         }
         patches.push((index as usize, take_cell(bits, sample)));
         bits.check()?;
@@ -412,7 +417,7 @@ fn decode_levels<W: Word>(
             }
         };
         if header.patched {
-            read_patches(&mut bits, rule.sample, shape, &mut patches)?;
+            read_patches(&mut bits, rule.sample, shape, index, &mut patches)?;
             bits.check()?;
         }
         let mut void_levels = Vec::new();

@@ -1,5 +1,6 @@
 //! What tests and fuzzers have found, one test each, with the bytes or cells that did it.
 
+use crate::ground::Ground;
 use crate::promise::Tile;
 use orograph::codec::{BandRule, Bound, Cells, TileShape, decode_tile};
 use orograph::error::ErrorKind;
@@ -38,4 +39,32 @@ fn a_step_that_no_type_needs() {
     let shape = TileShape { width: 16, height: 1 };
     let error = decode_tile(&[&segment], shape, &rule(SampleType::U8), 3).expect_err("is refused");
     assert_eq!(error.kind(), ErrorKind::Corrupt);
+}
+
+/// A patch in the finest segment for a cell of a coarse level made that level another than the cells decimated.
+#[test]
+fn a_patch_in_a_segment_of_another_level() {
+    // One value for all cells, no patches in the coarser segments, one patch in the finest.
+    let decode = |cell: u8| {
+        let segments = [&[4, 0x22, 0, 1, 9][..], &[1, 1], &[1, 1], &[3, cell, 0x70, 0]];
+        decode_tile(&segments, TileShape { width: 8, height: 1 }, &rule(SampleType::U8), 0)
+    };
+    let (fourth, fifth) = (0x4b, 0x5b);
+    assert_eq!(decode(fifth).expect("is sound"), Cells::U8(vec![0, 0, 0, 0, 0, 7, 0, 0]));
+    assert_eq!(decode(fourth).expect_err("is refused").kind(), ErrorKind::Corrupt);
+}
+
+/// The sum of four cells overflowed: one low cell among high ones made all others five times as long.
+#[test]
+fn one_low_cell_among_high_ones() {
+    let shape = TileShape { width: 64, height: 64 };
+    let Cells::I32(mut cells) = Ground::Smooth.cells(SampleType::I32, shape, 1) else { panic!("another type") };
+    cells.iter_mut().for_each(|cell| *cell += 1 << 30);
+    let bytes = |cells: &[i32]| {
+        Tile { cells: Cells::I32(cells.to_vec()), shape, rule: rule(SampleType::I32) }.assert_holds().bytes()
+    };
+    let before = bytes(&cells);
+    cells[2000] = 0;
+    let after = bytes(&cells);
+    assert!(after < before * 3 / 2, "{before} bytes became {after}");
 }

@@ -8,8 +8,11 @@ use orograph::with_cells;
 /// A tile to be encoded.
 #[derive(Clone, Debug)]
 pub struct Tile {
+    /// The cells, row by row.
     pub cells: Cells,
+    /// How many columns and rows they have.
     pub shape: TileShape,
+    /// What is promised.
     pub rule: BandRule,
 }
 
@@ -63,13 +66,14 @@ impl Tile {
             // Voids, NaN and infinities come back to the bit, and nothing else becomes one of them.
             let Some(bound) = bound else { return true };
             let (x, y) = (value(&self.cells, index), value(decoded, index));
-            is_void(bits) || is_void(back) || !x.is_finite() || !y.is_finite() || !((x - y).abs() <= bound)
+            is_void(bits) || is_void(back) || !x.is_finite() || !y.is_finite() || (x - y).abs() > bound
         })
     }
 }
 
+#[allow(clippy::useless_conversion, reason = "one of the types is f64 already")]
 fn value(cells: &Cells, index: usize) -> f64 {
-    with_cells!(cells, values => values[index] as f64)
+    with_cells!(cells, values => f64::from(values[index]))
 }
 
 fn text(cells: &Cells, index: usize) -> String {
