@@ -333,6 +333,11 @@ fn tile_bodies() -> Vec<Vector> {
         ("r030-cut", "a mask that ends early", mask(&|bytes| bytes.truncate(20))),
         ("r031-count", "5 patches of 4 cells", patches(Bits::default().number(2, 5).bits(0, 32))),
         ("r031-outside", "a patch beyond the tile", patches(Bits::default().number(2, 1).number(8, 4).bits(1, 8))),
+        (
+            "r031-segment",
+            "a patch in the first segment of a cell of the last one",
+            patches(Bits::default().number(2, 1).number(8, 3).bits(1, 8)),
+        ),
         ("r033-short", "symbols of 3 bytes", changed(&|last| last.truncate(last.len() - 1))),
         ("r033-half", "half a refill", changed(&|last| last.push(0))),
         ("r033-left", "a refill that nobody takes", changed(&|last| last.extend([0, 0]))),

@@ -13,7 +13,7 @@ class TileRule:
     def __init__(self, step, range_bits, serial):
         self.step, self.serial, self.wide = step, serial, range_bits > 31
         length = step.bit_length()
-        self.coarse = max(0, length - 6, min(range_bits, 62) - 24)
+        self.coarse = max(0, length - 6, min(range_bits, 55) - 24)
         self.mantissa = min((1 << 31 + length) // step, U32)
         self.down = 37 + length - self.coarse
 
@@ -62,7 +62,7 @@ def prepare(kind, row, cells, errors, p, rule):
     """Base, class, deviation and expected error of a row, without what serial tiles add."""
     w, near = rule.word, [cells.run(tap, row) for tap in TAPS[kind][:4]]
     a, b, c, d = near
-    base = w(a + b + c + d) >> 2
+    base = w(a + (w(b - a + c - a + d - a) >> 2))
     spread = sum(magnitude(w(x - base)) >> 2 for x in near)
     if kind == C:
         across, along = w(a + d - b - c), magnitude(w(a - d)) + magnitude(w(b - c))

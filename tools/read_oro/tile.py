@@ -66,13 +66,15 @@ class Header:
             return np.array([table[x] for x in xs.flat]).astype(dtype).reshape(xs.shape)
 
 
-def read_patches(side, dtype, cells):
+def read_patches(side, dtype, width, height, number):
     patches, following = [], 0
     count = side.number(2)
-    require(31, count <= cells)
+    require(31, count <= width * height)
     for _ in range(count):
         index = following + side.number(8)
-        require(31, index < cells)
+        require(31, index < width * height)
+        row, col = divmod(index, width)
+        require(31, (row | col | 8) & -(row | col | 8) == 8 >> number)
         patches.append((index, side.bits(8 * dtype.itemsize).to_bytes(dtype.itemsize, "little")))
         following = index + 1
     return patches
@@ -104,7 +106,7 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             errors = np.zeros((1, 1), np.int64)
             voids = None if header.void is None else np.array([[header.top]], np.uint8)
         if header.patched:
-            patches += read_patches(side, dtype, width * height)
+            patches += read_patches(side, dtype, width, height, number)
         planes = []
         if voids is not None:
             mask, level_voids = Mask(part()), voids
