@@ -12,6 +12,7 @@ use super::rans;
 use super::tables::{CENTRE, ESCAPE, SHAPES, TableRef, VARIANTS, reshaped, table_set};
 use super::taps::{Known, Pass};
 use super::tile::{SEGMENTS, TileShape};
+use super::training::Fitted;
 use super::word::Word;
 use crate::error::Result;
 
@@ -205,13 +206,13 @@ impl<W: Word> Task<'_, W> {
             (bits, best.filter_variant, best.filters) = (found, None, [filter; 2]);
         }
         let steep = samples.steep();
-        if count >= 4 * FIT_FROM && steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len() {
-            if let (Some(flat), Some(steep)) = (samples.filter(Some(0)), samples.filter(Some(1))) {
-                let found = samples.bits([&flat, &steep], self.rule.step) * count as f64 + 2.0 * price;
-                if found < bits {
-                    (best.filter_variant, best.filters, best.classes) = (None, [flat, steep], 2);
-                }
-            }
+        let mixed = steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len();
+        if count >= 4 * FIT_FROM
+            && mixed
+            && let (Some(flat), Some(steep)) = (samples.filter(Some(0)), samples.filter(Some(1)))
+            && samples.bits([&flat, &steep], self.rule.step) * count as f64 + 2.0 * price < bits
+        {
+            (best.filter_variant, best.filters, best.classes) = (None, [flat, steep], 2);
         }
         best
     }
@@ -289,23 +290,6 @@ impl<W: Word> Task<'_, W> {
         let second = self.run(params);
         if second.cost < first.cost { second } else { first }
     }
-}
-
-/// Parameters of a pass, for training.
-#[derive(Clone, Debug)]
-pub(super) struct Fitted {
-    /// The pass: 0 C, 1 H, 2 V.
-    pub(super) pass: usize,
-    /// Whether the tile is serial.
-    pub(super) serial: bool,
-    /// The quantiser's step.
-    pub(super) step: i64,
-    /// Cells of the pass.
-    pub(super) cells: usize,
-    /// The filter of the steep class.
-    pub(super) filter: Vec<i32>,
-    /// Codes of the weights of errors.
-    pub(super) codes: Vec<u8>,
 }
 
 /// The cells of every level of a tile, as they should be, finest first, and where its voids are.

@@ -130,6 +130,7 @@ pub(super) fn segment_levels(segment: usize, levels: u8) -> std::ops::Range<u8> 
 /// Decodes the levels of a segment, coarse to fine, down to `finest`.
 ///
 /// `voids` are those of the levels, coarse to fine, or none.
+#[allow(clippy::too_many_arguments, reason = "a segment, where it belongs, and what is known of it")]
 pub(super) fn decode_segment<W: Word>(
     body: &SegmentBody<'_>,
     side: &mut BitReader<'_>,

@@ -437,7 +437,8 @@ fn decode_levels<W: Word>(
             return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} has bytes after its end")));
         }
         // The level that was asked for may end amid a segment: nothing behind it is looked at.
-        if let Some(found) = void_levels.into_iter().take(span.end.saturating_sub(finest.max(span.start)).into()).last()
+        if let Some(found) =
+            void_levels.into_iter().take(span.end.saturating_sub(finest.max(span.start)).into()).next_back()
         {
             holes = Some(found.cells);
         }

@@ -1,7 +1,7 @@
 //! What a trainer of tables needs of the encoder: `tools/train` is its only user.
 
 use super::Cells;
-use super::encode::{Fitted, Pyramid, TileEncoder};
+use super::encode::{Pyramid, TileEncoder};
 use super::level::levels;
 use super::mask::void_levels;
 use super::pass::TileRule;
@@ -9,12 +9,29 @@ use super::tile::{BandRule, TileShape};
 use super::values::{Mapped, find_voids, map_cells};
 use crate::error::Result;
 
+/// Parameters of a pass, for training.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The pass: 0 C, 1 H, 2 V.
+    pub pass: usize,
+    /// Whether the tile is serial.
+    pub serial: bool,
+    /// The quantiser's step.
+    pub step: i64,
+    /// Cells of the pass.
+    pub cells: usize,
+    /// The filter of the steep class.
+    pub filter: Vec<i32>,
+    /// Codes of the weights of errors.
+    pub codes: Vec<u8>,
+}
+
 /// Residuals and parameters of one tile.
 pub struct Observed {
     /// For each pass its residuals: number of the plain table, symbol.
     pub residuals: Vec<Vec<(u16, u8)>>,
     /// For each pass its parameters.
-    pub passes: Vec<(usize, bool, i64, usize, Vec<i32>, Vec<u8>)>,
+    pub passes: Vec<Fitted>,
 }
 
 /// Encodes a tile and tells what was coded; nothing for tiles of one value.
@@ -36,6 +53,5 @@ pub fn observe(cells: &Cells, shape: TileShape, rule: &BandRule, serial: bool) -
         coded.code_level(level)?;
     }
     let observed = coded.observed.unwrap_or_default();
-    let tell = |f: Fitted| (f.pass, f.serial, f.step, f.cells, f.filter, f.codes);
-    Ok(Observed { residuals: observed.spread, passes: observed.fitted.into_iter().map(tell).collect() })
+    Ok(Observed { residuals: observed.spread, passes: observed.fitted })
 }
