@@ -66,7 +66,7 @@ fn frame() -> Vec<Vector> {
         ("r003-empty", "no bytes", vec![]),
         ("r003-short", "49 bytes with the right end", sound()[sound().len() - 49..].to_vec()),
         ("r003-end", "another end magic", patched(|file| *file.last_mut().expect("a byte") = 0x88)),
-        ("r003-cut", "the last byte is missing", patched(|file| drop(file.pop()))),
+        ("r003-cut", "the last byte is missing", patched(|file| _ = file.pop())),
         (
             "r004-hash",
             "a bit of the footer is not what it was",
@@ -87,7 +87,7 @@ fn frame() -> Vec<Vector> {
         ("r005-version-0", "version 0", with(|parts| parts.version = 0)),
         ("r005-flags", "a flag that has no meaning yet", with(|parts| parts.flags = 0x8000)),
         ("r006-longer", "a byte more between header and chunks", patched(|file| file.insert(12, 0))),
-        ("r006-shorter", "a byte less", patched(|file| drop(file.remove(12)))),
+        ("r006-shorter", "a byte less", patched(|file| _ = file.remove(12))),
         (
             "r007-directory",
             "a directory of 32,769 bytes",
@@ -110,7 +110,7 @@ fn frame() -> Vec<Vector> {
 fn sections() -> Vec<Vector> {
     let mut many = vec![];
     many.extend([
-        ("r008-cut", "the last entry of the directory is cut off", listed(|_, entries| drop(entries.pop()))),
+        ("r008-cut", "the last entry of the directory is cut off", listed(|_, entries| _ = entries.pop())),
         (
             "r008-varint",
             "a length in a longer form than it needs",
