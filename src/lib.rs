@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
-//! 5  pipeline                jobs from files to files: memory, layers, tags
+//! 5  pipeline                jobs from files to files: memory, layers, tags, archives
 //! 4  figures   oro           what the methods measured, as charts; the .oro container
 //! 3  orometry      plot      the methods; pictures that know no methods
 //! 2  io        codec         files through GDAL; cells <-> bytes
@@ -21,6 +21,9 @@
 //! that sort as the elevations do, whatever the file's type. [`orometry::survey`] finds basins and passes tile by
 //! tile, joins them to the divide tree of the whole, prunes it and measures each peak with a [`crs::Metric`].
 //! `pipeline::layers` turns the result into rows, and `io::vector` writes them.
+//!
+//! An archive needs every bit instead: `io::raster::stored` reads cells as they are stored, with a record of all that
+//! the file says, and `pipeline::archive` takes them batch by batch into a container and out again.
 //!
 //! # The container alone
 //!

@@ -1,20 +1,26 @@
 //! `orograph info`.
 
+use super::container_info;
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, InputOptions};
-use crate::crs::CrsKind;
-use crate::error::Result;
+use crate::crs::{Crs, CrsKind};
+use crate::error::{Error, Result};
 use crate::io::raster::{Dem, RasterSource};
+use crate::pipeline::archive::is_container;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Tell what a raster is: georeference, size, nodata, units, statistics.
+///
+/// Of an .oro file: georeference, size, bands and how exact they are, bits a cell, levels, tiles and sections.
 #[derive(Args, Clone, Debug)]
-#[command(after_help = "Example:\n  orograph info fixtures/jacksboro.tif")]
+#[command(after_help = "Examples:\n  orograph info fixtures/jacksboro.tif\n  \
+                        orograph encode fixtures/jacksboro.tif jacksboro.oro\n  \
+                        orograph info jacksboro.oro")]
 pub(super) struct Info {
-    /// Elevation model: any raster that GDAL reads.
+    /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "FILE")]
     input: PathBuf,
     /// Do not read the cells: no statistics.
@@ -29,6 +35,14 @@ pub(super) struct Info {
 impl Info {
     pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
         reporter.input(&self.input);
+        if is_container(&self.input) {
+            if let Some(option) = self.raster.words().first() {
+                return Err(Error::usage(format!("{option}: an .oro file is shown as a whole, without statistics")));
+            }
+            let (result, text) = container_info::describe(&self.input)?;
+            reporter.say(&text)?;
+            return Ok(result);
+        }
         let source = RasterSource::open(&self.input, &self.raster.meant()?)?;
         let dem = if self.no_statistics { None } else { Some(watched(reporter, |watch, _| source.read(watch))?) };
         for note in &source.notes {
@@ -49,15 +63,7 @@ fn describe(source: &RasterSource, dem: Option<&Dem>) -> Value {
         let (x, y) = source.transform.centre(row - 0.5, col - 0.5);
         json!([x, y])
     };
-    let crs = source.crs.as_ref().map(|crs| {
-        let (kind, unit) = match &crs.kind {
-            CrsKind::Geographic { degrees, .. } => ("geographic", json!({ "degrees": degrees })),
-            CrsKind::Projected { metres, .. } => ("projected", json!({ "metres": metres })),
-            CrsKind::Local { metres } => ("local", json!({ "metres": metres })),
-        };
-        let ellipsoid = crs.ellipsoid().map(|e| json!({ "a_m": e.a_m, "flattening": e.flattening }));
-        json!({ "name": crs.name, "authority": crs.authority, "kind": kind, "unit": unit, "ellipsoid": ellipsoid })
-    });
+    let crs = source.crs.as_ref().map(crs_json);
     let e = &source.elevations;
     let statistics = dem.and_then(|dem| dem.extremes).map(|extremes| {
         json!({
@@ -87,6 +93,17 @@ fn describe(source: &RasterSource, dem: Option<&Dem>) -> Value {
         "columns_wrap": source.wraps,
         "statistics": statistics,
     })
+}
+
+/// A CRS for a JSON document.
+pub(super) fn crs_json(crs: &Crs) -> Value {
+    let (kind, unit) = match &crs.kind {
+        CrsKind::Geographic { degrees, .. } => ("geographic", json!({ "degrees": degrees })),
+        CrsKind::Projected { metres, .. } => ("projected", json!({ "metres": metres })),
+        CrsKind::Local { metres } => ("local", json!({ "metres": metres })),
+    };
+    let ellipsoid = crs.ellipsoid().map(|e| json!({ "a_m": e.a_m, "flattening": e.flattening }));
+    json!({ "name": crs.name, "authority": crs.authority, "kind": kind, "unit": unit, "ellipsoid": ellipsoid })
 }
 
 fn text(result: &Value) -> String {

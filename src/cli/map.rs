@@ -23,7 +23,7 @@ use std::path::PathBuf;
     after_help = "Example:\n  orograph map fixtures/jacksboro.tif jacksboro.png --title Jacksboro"
 )]
 pub(super) struct Map {
-    /// Elevation model: any raster that GDAL reads.
+    /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "DEM", required = true)]
     input: PathBuf,
     /// Layers to draw on it: what orograph peaks made of the DEM.

@@ -1,5 +1,9 @@
 //! The command line: words to calls, results to words. One file a verb.
 
+mod container_info;
+mod container_text;
+mod decode;
+mod encode;
 mod info;
 mod map;
 mod peaks;
@@ -9,13 +13,14 @@ mod shared;
 mod stats;
 mod stats_text;
 mod tags;
+mod verify;
 
 use crate::error::{Error, Result};
 use clap::{Parser, Subcommand};
 use report::Reporter;
 use std::ffi::OsString;
 
-/// Mountains from elevation models: peaks, key saddles, prominence, isolation, divide trees.
+/// Mountains from elevation models: peaks, key saddles, prominence, isolation, divide trees; and an archive for them.
 #[derive(Debug, Parser)]
 #[command(name = "orograph", disable_version_flag = true, max_term_width = 100, arg_required_else_help = true)]
 struct Arguments {
@@ -28,10 +33,13 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Decode(Box<decode::Decode>),
+    Encode(Box<encode::Encode>),
     Info(info::Info),
     Map(map::Map),
     Peaks(Box<peaks::Peaks>),
     Stats(Box<stats::Stats>),
+    Verify(verify::Verify),
 }
 
 /// Runs the program with its arguments, the program's name first; returns the exit code.
@@ -48,10 +56,13 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
     match parsed.verb {
         None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
+        Some(Verb::Decode(verb)) => execute("decode", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Encode(verb)) => execute("encode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Map(verb)) => execute("map", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),
     }
 }
 

@@ -23,7 +23,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Example:\n  orograph peaks fixtures/jacksboro.tif peaks.gpkg --min-prominence 30m")]
 pub(super) struct Peaks {
-    /// Elevation model: any raster that GDAL reads.
+    /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "DEM")]
     input: PathBuf,
     /// Output: .gpkg, .csv, .geojson or .fgb.

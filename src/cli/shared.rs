@@ -72,24 +72,14 @@ pub(super) struct InputOptions {
 impl InputOptions {
     /// What the options mean.
     pub(super) fn meant(&self) -> Result<RasterOptions> {
-        let vertical_unit = self.vertical_unit.as_deref().map(|name| {
-            LengthUnit::from_name(name).ok_or_else(|| {
-                Error::usage(format!("--vertical-unit '{name}' is not a known unit: expected m, ft, us-ft, ..."))
-            })
-        });
-        let four = |option: &str, n: usize| {
-            Error::usage(format!("{option}: expected four numbers with commas between them, found {n}"))
-        };
-        let window =
-            self.window.as_ref().map(|w| <[usize; 4]>::try_from(w.as_slice()).map_err(|_| four("--window", w.len())));
-        let bbox = self.bbox.as_ref().map(|b| <[f64; 4]>::try_from(b.as_slice()).map_err(|_| four("--bbox", b.len())));
+        let (window, bbox) = part_of(self.window.as_deref(), self.bbox.as_deref())?;
         Ok(RasterOptions {
             band: self.band,
             nodata: self.nodata,
             crs: self.crs.clone(),
-            vertical_unit: vertical_unit.transpose()?,
-            window: window.transpose()?,
-            bbox: bbox.transpose()?,
+            vertical_unit: unit_of(self.vertical_unit.as_deref())?,
+            window,
+            bbox,
         })
     }
 
@@ -109,6 +99,29 @@ impl InputOptions {
         put("--bbox", self.bbox.as_deref().map(list));
         words
     }
+}
+
+/// The unit that an option names.
+pub(super) fn unit_of(name: Option<&str>) -> Result<Option<LengthUnit>> {
+    let unit = |name: &str| {
+        LengthUnit::from_name(name).ok_or_else(|| {
+            Error::usage(format!("--vertical-unit '{name}' is not a known unit: expected m, ft, us-ft, ..."))
+        })
+    };
+    name.map(unit).transpose()
+}
+
+/// What --window and --bbox give.
+type Part = (Option<[usize; 4]>, Option<[f64; 4]>);
+
+/// What --window and --bbox mean.
+pub(super) fn part_of(window: Option<&[usize]>, bbox: Option<&[f64]>) -> Result<Part> {
+    let four = |option: &str, n: usize| {
+        Error::usage(format!("{option}: expected four numbers with commas between them, found {n}"))
+    };
+    let window = window.map(|w| <[usize; 4]>::try_from(w).map_err(|_| four("--window", w.len())));
+    let bbox = bbox.map(|b| <[f64; 4]>::try_from(b).map_err(|_| four("--bbox", b.len())));
+    Ok((window.transpose()?, bbox.transpose()?))
 }
 
 fn list<T: ToString>(values: &[T]) -> String {

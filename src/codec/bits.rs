@@ -118,11 +118,6 @@ impl<'a> BitReader<'a> {
         unzigzag(self.take_number(order))
     }
 
-    /// Bytes that have been touched.
-    pub(super) fn bytes_read(&self) -> usize {
-        self.position
-    }
-
     /// Fails when more was read than there is.
     pub(super) fn check(&self) -> Result<()> {
         match self.position <= self.bytes.len() {

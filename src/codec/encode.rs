@@ -3,20 +3,23 @@
 use super::bits::BitWriter;
 use super::cost::{cost_of, symbol_costs};
 use super::fit::{ErrorFit, Samples};
-use super::level::{Level, plane_shape, refine, segment_levels};
+use super::level::{Level, plane_shape, refine};
 use super::mask::VoidLevel;
 use super::params::{ERROR_WEIGHTS, PassParams, SHIFT_LIMIT};
-use super::pass::{Residuals, TileRule, as_error, mean, run_pass};
+use super::pass::{Ask, Residuals, TileRule, as_error, mean, run_pass};
 use super::plane::Plane;
 use super::rans;
-use super::tables::{CENTRE, ESCAPE, SHAPES, TableRef, TableSet, VARIANTS, reshaped, table_set};
-use super::taps::{Known, MAX_TAPS, PASSES, Pass};
+use super::tables::{CENTRE, ESCAPE, SHAPES, TableRef, VARIANTS, reshaped, table_set};
+use super::taps::{Known, Pass};
 use super::tile::{SEGMENTS, TileShape};
+use super::training::Fitted;
 use super::word::Word;
 use crate::error::Result;
 
 /// Cells of a pass from which on filters are fitted.
 const FIT_FROM: usize = 600;
+/// Up to so many cells the weights of errors are fitted anew.
+const FIT_UP_TO: usize = 150_000;
 
 /// A residual with the table that the plain parameters give it.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +38,7 @@ struct Taking<'a, W> {
 
 impl<W: Word> Residuals<W> for Taking<'_, W> {
     #[inline(always)]
-    fn next(&mut self, row: usize, col: usize, prediction: W, table: TableRef, raw: u32, flip: bool) -> i64 {
+    fn next(&mut self, row: usize, col: usize, prediction: W, ask: Ask) -> i64 {
         let miss = self.original.row(row)[col].minus(prediction).wide();
         let k = match self.step {
             1 => miss,
@@ -45,7 +48,7 @@ impl<W: Word> Residuals<W> for Taking<'_, W> {
                 if miss < 0 { -(k as i64) } else { k as i64 }
             }
         };
-        self.taken.push(Residual { k: if flip { k.wrapping_neg() } else { k }, table, raw: raw as u8 });
+        self.taken.push(Residual { k: if ask.flip { k.wrapping_neg() } else { k }, table: ask.table, raw: ask.raw });
         k
     }
 }
@@ -63,10 +66,6 @@ impl SegmentParts {
     pub(super) fn finish(self) -> (BitWriter, Vec<u8>, Vec<u8>) {
         let set = table_set();
         (self.side, self.raw.finish(), rans::encode(&self.symbols, |table| set.encoding(table)))
-    }
-
-    fn bits(&self) -> usize {
-        self.side.bits() + self.raw.bits()
     }
 }
 
@@ -201,19 +200,19 @@ impl<W: Word> Task<'_, W> {
             return best;
         }
         let Some(filter) = samples.filter(None) else { return best };
-        let price = 10.0 * self.pass.tap_count() as f64;
+        let price = 8.0 * self.pass.tap_count() as f64;
         let found = samples.bits([&filter, &filter], self.rule.step) * count as f64 + price;
         if found < bits {
             (bits, best.filter_variant, best.filters) = (found, None, [filter; 2]);
         }
         let steep = samples.steep();
-        if count >= 4 * FIT_FROM && steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len() {
-            if let (Some(flat), Some(steep)) = (samples.filter(Some(0)), samples.filter(Some(1))) {
-                let found = samples.bits([&flat, &steep], self.rule.step) * count as f64 + 2.0 * price;
-                if found < bits {
-                    (best.filter_variant, best.filters, best.classes) = (None, [flat, steep], 2);
-                }
-            }
+        let mixed = steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len();
+        if count >= 4 * FIT_FROM
+            && mixed
+            && let (Some(flat), Some(steep)) = (samples.filter(Some(0)), samples.filter(Some(1)))
+            && samples.bits([&flat, &steep], self.rule.step) * count as f64 + 2.0 * price < bits
+        {
+            (best.filter_variant, best.filters, best.classes) = (None, [flat, steep], 2);
         }
         best
     }
@@ -270,10 +269,17 @@ impl<W: Word> Task<'_, W> {
         ErrorFit::new(rows)
     }
 
-    fn code(&self) -> Coded<W> {
-        let params = self.filters();
-        let first = self.run(params);
+    /// Codes the pass; `before` are the weights of errors that fitted the same pass of the coarser level.
+    fn code(&self, before: Option<[u8; ERROR_WEIGHTS]>) -> Coded<W> {
+        let mut params = self.filters();
         let count = self.original.width * self.original.height;
+        if let (Some(codes), true) = (before, count > FIT_UP_TO) {
+            // Terrain is alike from level to level, and a second run would cost as much as the first.
+            params.set_codes(codes);
+            params.weight_variant = None;
+            return self.run(params);
+        }
+        let first = self.run(params);
         if count < 4 * FIT_FROM {
             return first;
         }
@@ -286,99 +292,108 @@ impl<W: Word> Task<'_, W> {
     }
 }
 
-/// The coded levels of a tile.
-pub(super) struct CodedTile<W> {
+/// The cells of every level of a tile, as they should be, finest first, and where its voids are.
+pub(super) struct Pyramid<'a, W> {
+    levels: Vec<(Vec<W>, usize)>,
+    shape: TileShape,
+    voids: &'a [VoidLevel],
+}
+
+impl<'a, W: Word> Pyramid<'a, W> {
+    /// Thins the cells out, level by level; `voids` are those of the levels or none.
+    pub(super) fn new(xs: &[i64], shape: TileShape, levels: u8, voids: &'a [VoidLevel]) -> Self {
+        let mut found: Vec<(Vec<W>, usize)> = vec![(xs.iter().map(|&x| W::from_wide(x)).collect(), shape.width)];
+        for _ in 0..levels {
+            let (cells, width) = &found[found.len() - 1];
+            let thin = cells.chunks(*width).step_by(2).flat_map(|row| row.iter().step_by(2).copied()).collect();
+            found.push((thin, width.div_ceil(2)));
+        }
+        Self { levels: found, shape, voids }
+    }
+}
+
+/// A tile while its levels are coded, coarse to fine.
+pub(super) struct TileEncoder<'a, W> {
+    pyramid: &'a Pyramid<'a, W>,
+    rule: TileRule,
+    level: Level<W>,
+    /// Fitted codes of the weights of errors, from the last level, for each pass.
+    codes: [Option<[u8; ERROR_WEIGHTS]>; 3],
     pub(super) segments: [SegmentParts; SEGMENTS],
-    /// The cells as the decoder will have them.
-    pub(super) level: Level<W>,
-    /// All bits, about.
+    /// The cells as the decoder will have them, when all levels are coded.
+    pub(super) cells: Vec<W>,
+    /// All bits so far, in 256ths, about.
     pub(super) cost: u64,
-    /// Parameters that were fitted, for training: pass, serial, filter, codes of weights, step, cells.
+    /// What a trainer wants to see, when it asks for it.
+    pub(super) observed: Option<Observed>,
+}
+
+/// Parameters and residuals of the passes, for training.
+#[derive(Default)]
+pub(super) struct Observed {
     pub(super) fitted: Vec<Fitted>,
     /// Residuals by table, symbol by symbol, one list for each pass.
     pub(super) spread: Vec<Vec<(u16, u8)>>,
 }
 
-/// Parameters of a pass, for training.
-#[derive(Clone, Debug)]
-pub struct Fitted {
-    /// The pass: 0 C, 1 H, 2 V.
-    pub pass: usize,
-    /// Whether the tile is serial.
-    pub serial: bool,
-    /// The quantiser's step.
-    pub step: i64,
-    /// Cells of the pass.
-    pub cells: usize,
-    /// The filter of the steep class.
-    pub filter: Vec<i32>,
-    /// Codes of the weights of errors.
-    pub codes: Vec<u8>,
-}
-
-/// Encodes all levels of a tile, coarse to fine.
-pub(super) fn encode_levels<W: Word>(
-    xs: &[i64],
-    shape: TileShape,
-    levels: u8,
-    voids: &[VoidLevel],
-    rule: TileRule,
-    training: bool,
-) -> Result<CodedTile<W>> {
-    // The cells of every level, finest first.
-    let mut pyramid: Vec<(Vec<W>, usize)> = vec![(xs.iter().map(|&x| W::from_wide(x)).collect(), shape.width)];
-    for _ in 0..levels {
-        let (cells, width) = &pyramid[pyramid.len() - 1];
-        let thin = cells.chunks(*width).step_by(2).flat_map(|row| row.iter().step_by(2).copied()).collect();
-        pyramid.push((thin, width.div_ceil(2)));
-    }
-    let mut level = Level::seed(pyramid[usize::from(levels)].0[0]);
-    let mut coded = CodedTile {
-        segments: Default::default(),
-        level: level.clone(),
-        cost: 0,
-        fitted: Vec::new(),
-        spread: Vec::new(),
-    };
-    for segment in 0..SEGMENTS {
-        for l in segment_levels(segment, levels).rev() {
-            let (cells, width) = &pyramid[usize::from(l)];
-            let holes = voids.get(usize::from(l));
-            let parts = &mut coded.segments[segment];
-            let (mut cost, fitted, spread) = (0, &mut coded.fitted, &mut coded.spread);
-            level = refine(&level, |pass, known, errors| {
-                let (row, col) = pass.origin();
-                let size = plane_shape(pass, shape.at_level(l));
-                if size.0 == 0 || size.1 == 0 {
-                    return Ok((Plane::new(size.0, size.1), Plane::new(size.0, size.1)));
-                }
-                let mut original = Plane::quarter(cells, *width, row, col);
-                // The rows above the first and the cells left of it, as a decoder finds them.
-                original.close();
-                let void = holes.map(|holes| &holes.planes[pass as usize]);
-                let task = Task { pass, original: &original, cells: known, errors, void, rule };
-                let made = task.code();
-                cost += made.cost;
-                if training {
-                    fitted.push(Fitted {
-                        pass: pass as usize,
-                        serial: rule.serial,
-                        step: rule.step,
-                        cells: size.0 * size.1,
-                        filter: made.params.filters[1][..MAX_TAPS].to_vec(),
-                        codes: made.params.codes.to_vec(),
-                    });
-                    spread.push(made.taken.iter().map(|r| (r.table.0, symbol_of(r.k >> r.raw))).collect());
-                }
-                write_pass(parts, &made, pass, rule);
-                Ok((made.cells, made.errors))
-            })?;
-            coded.cost += cost;
+impl<'a, W: Word> TileEncoder<'a, W> {
+    /// Begins with the coarsest cell.
+    pub(super) fn new(pyramid: &'a Pyramid<'a, W>, rule: TileRule) -> Self {
+        let seed = &pyramid.levels[pyramid.levels.len() - 1].0;
+        Self {
+            pyramid,
+            rule,
+            level: Level::seed(seed[0]),
+            codes: [None; 3],
+            segments: Default::default(),
+            cells: seed.clone(),
+            cost: 0,
+            observed: None,
         }
     }
-    debug_assert!(PASSES.len() == 3 && coded.segments.iter().all(|parts| parts.bits() < usize::MAX));
-    coded.level = level;
-    Ok(coded)
+
+    /// Codes a level; levels come one after the other, down to 0.
+    pub(super) fn code_level(&mut self, l: u8) -> Result<()> {
+        let Self { pyramid, rule, level, codes, segments, cost, observed, .. } = self;
+        let (cells, width) = &pyramid.levels[usize::from(l)];
+        let holes = pyramid.voids.get(usize::from(l));
+        let parts = &mut segments[SEGMENTS - 1 - usize::from(l).min(SEGMENTS - 1)];
+        let refined = refine(level, |pass, known, errors| {
+            let (row, col) = pass.origin();
+            let size = plane_shape(pass, pyramid.shape.at_level(l));
+            if size.0 == 0 || size.1 == 0 {
+                return Ok((Plane::new(size.0, size.1), Plane::new(size.0, size.1)));
+            }
+            let mut original = Plane::quarter(cells, *width, row, col);
+            original.close();
+            let void = holes.map(|holes| &holes.planes[pass as usize]);
+            let task = Task { pass, original: &original, cells: known, errors, void, rule: *rule };
+            let made = task.code(codes[pass as usize]);
+            codes[pass as usize] = made.params.weight_variant.is_none().then_some(made.params.codes);
+            *cost += made.cost;
+            if let Some(observed) = observed {
+                observed.fitted.push(Fitted {
+                    pass: pass as usize,
+                    serial: rule.serial,
+                    step: rule.step,
+                    cells: size.0 * size.1,
+                    filter: made.params.filters[1].to_vec(),
+                    codes: made.params.codes.to_vec(),
+                });
+                observed.spread.push(made.taken.iter().map(|r| (r.table.0, symbol_of(r.k >> r.raw))).collect());
+            }
+            write_pass(parts, &made, pass, *rule);
+            Ok((made.cells, made.errors))
+        })?;
+        match l {
+            0 => self.cells = refined.flat(),
+            _ => {
+                let finer = refined.level();
+                self.level = finer;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Appends a pass to its segment.
@@ -407,5 +422,3 @@ fn write_pass<W: Word>(parts: &mut SegmentParts, made: &Coded<W>, pass: Pass, ru
         }
     }
 }
-
-const _: () = assert!(TableSet::STEP_ONE_KINDS == 4, "classes of the fraction");

@@ -3,11 +3,11 @@
 use super::bits::{BitReader, BitWriter};
 use super::mask::VoidLevel;
 use super::params::PassParams;
-use super::pass::{Residuals, TileRule, run_pass};
+use super::pass::{Ask, Residuals, TileRule, run_pass};
 use super::plane::Plane;
 use super::rans::Decoder;
-use super::tables::{CENTRE, ESCAPE, TableRef, TableSet, table_set};
-use super::taps::{Known, PASSES};
+use super::tables::{CENTRE, ESCAPE, TableSet, table_set};
+use super::taps::{Known, PASSES, Pass};
 use super::tile::TileShape;
 use super::word::Word;
 use crate::error::Result;
@@ -31,39 +31,54 @@ impl<W: Word> Level<W> {
         Self { cells: Plane::framed(&[cell], 1), errors: Plane::framed(&[0], 1) }
     }
 
-    /// Puts four planes together.
-    fn joined(cells: [&Plane<W>; 4], errors: [&Plane<u32>; 4]) -> Self {
-        let width = cells[0].width + cells[2].width;
-        Self {
-            cells: Plane::framed(&Plane::merged(cells), width),
-            errors: Plane::framed(&Plane::merged(errors), width),
+    /// The cells, row by row.
+    pub(super) fn flat(&self) -> Vec<W> {
+        (0..self.cells.height).flat_map(|row| self.cells.row(row).iter().copied()).collect()
+    }
+}
+
+/// What the three passes of a level made, beside the coarser level that they began with.
+pub(super) struct Refined<'a, W> {
+    coarser: &'a Level<W>,
+    cells: [Plane<W>; 3],
+    errors: [Plane<u32>; 3],
+}
+
+impl<W: Word> Refined<'_, W> {
+    /// The level as the start of a finer one.
+    pub(super) fn level(&self) -> Level<W> {
+        let [c, h, v] = &self.errors;
+        let width = self.coarser.cells.width + self.cells[1].width;
+        Level {
+            cells: Plane::framed(&self.flat(), width),
+            errors: Plane::framed(&Plane::merged([&self.coarser.errors, c, h, v]), width),
         }
+    }
+
+    /// The cells, row by row.
+    pub(super) fn flat(&self) -> Vec<W> {
+        let [c, h, v] = &self.cells;
+        Plane::merged([&self.coarser.cells, c, h, v])
     }
 }
 
 /// Runs the three passes of a level; `run` gets each pass with what is known.
 pub(super) fn refine<W: Word>(
     coarser: &Level<W>,
-    mut run: impl FnMut(super::taps::Pass, Known<'_, W>, Known<'_, u32>) -> Result<(Plane<W>, Plane<u32>)>,
-) -> Result<Level<W>> {
-    let (mut c, mut c_errors) = (Plane::default(), Plane::default());
-    let (mut h, mut h_errors) = (Plane::default(), Plane::default());
-    let (mut v, mut v_errors) = (Plane::default(), Plane::default());
-    for pass in PASSES {
-        let cells = Known { a: &coarser.cells, c: &c, h: &h };
-        let errors = Known { a: &coarser.errors, c: &c_errors, h: &h_errors };
-        let (made, made_errors) = run(pass, cells, errors)?;
-        match pass {
-            super::taps::Pass::C => (c, c_errors) = (made, made_errors),
-            super::taps::Pass::H => (h, h_errors) = (made, made_errors),
-            super::taps::Pass::V => (v, v_errors) = (made, made_errors),
-        }
+    mut run: impl FnMut(Pass, Known<'_, W>, Known<'_, u32>) -> Result<(Plane<W>, Plane<u32>)>,
+) -> Result<Refined<'_, W>> {
+    let mut refined = Refined { coarser, cells: Default::default(), errors: Default::default() };
+    for (index, pass) in PASSES.into_iter().enumerate() {
+        let ([c, h, _], [c_errors, h_errors, _]) = (&refined.cells, &refined.errors);
+        let cells = Known { a: &coarser.cells, c, h };
+        let errors = Known { a: &coarser.errors, c: c_errors, h: h_errors };
+        (refined.cells[index], refined.errors[index]) = run(pass, cells, errors)?;
     }
-    Ok(Level::joined([&coarser.cells, &c, &h, &v], [&coarser.errors, &c_errors, &h_errors, &v_errors]))
+    Ok(refined)
 }
 
 /// Width and height of a pass's plane in a level of the given shape.
-pub(super) fn plane_shape(pass: super::taps::Pass, level: TileShape) -> (usize, usize) {
+pub(super) fn plane_shape(pass: Pass, level: TileShape) -> (usize, usize) {
     let (row, col) = pass.origin();
     ((level.width + 1 - col) / 2, (level.height + 1 - row) / 2)
 }
@@ -77,20 +92,24 @@ struct Reading<'a> {
 
 impl<W: Word> Residuals<W> for Reading<'_> {
     #[inline(always)]
-    fn next(&mut self, _: usize, _: usize, _: W, table: TableRef, raw: u32, flip: bool) -> i64 {
-        let symbol = self.symbols.next(self.set.decoding(table));
+    fn next(&mut self, _: usize, _: usize, _: W, ask: Ask) -> i64 {
+        let symbol = self.symbols.next(self.set.decoding(ask.table));
         let mut k = i64::from(symbol) - CENTRE;
         if symbol == ESCAPE {
-            k = self.raw.take_signed(6);
+            k = take_escaped(&mut self.raw);
         }
-        if raw > 0 {
-            k = take_low(&mut self.raw, k, raw);
+        if ask.raw > 0 {
+            k = take_low(&mut self.raw, k, u32::from(ask.raw));
         }
-        if flip { k.wrapping_neg() } else { k }
+        if ask.flip { k.wrapping_neg() } else { k }
     }
 }
 
 #[cold]
+fn take_escaped(bits: &mut BitReader<'_>) -> i64 {
+    bits.take_signed(6)
+}
+
 fn take_low(bits: &mut BitReader<'_>, k: i64, raw: u32) -> i64 {
     let mut low = bits.take(raw.min(32));
     if raw > 32 {
@@ -111,6 +130,7 @@ pub(super) fn segment_levels(segment: usize, levels: u8) -> std::ops::Range<u8> 
 /// Decodes the levels of a segment, coarse to fine, down to `finest`.
 ///
 /// `voids` are those of the levels, coarse to fine, or none.
+#[allow(clippy::too_many_arguments, reason = "a segment, where it belongs, and what is known of it")]
 pub(super) fn decode_segment<W: Word>(
     body: &SegmentBody<'_>,
     side: &mut BitReader<'_>,
@@ -120,7 +140,7 @@ pub(super) fn decode_segment<W: Word>(
     finest: u8,
     rule: TileRule,
     voids: &[VoidLevel],
-) -> Result<Level<W>> {
+) -> Result<Decoded<W>> {
     let mut count = 0;
     for (place, l) in span.clone().rev().enumerate() {
         for (index, pass) in PASSES.into_iter().enumerate() {
@@ -136,9 +156,10 @@ pub(super) fn decode_segment<W: Word>(
         Reading { set: table_set(), symbols: Decoder::new(body.symbols, count)?, raw: BitReader::new(body.raw) };
     for (place, l) in span.clone().rev().enumerate() {
         if l < finest {
-            return Ok(level);
+            // A small tile: the coarsest cell is all that was asked for.
+            return Ok(Decoded::Level(level));
         }
-        level = refine(&level, |pass, cells, errors| {
+        let refined = refine(&level, |pass, cells, errors| {
             let hole = voids.get(place).map(|level| &level.planes[pass as usize]);
             let size = plane_shape(pass, shape.at_level(l));
             if size.0 == 0 || size.1 == 0 {
@@ -147,10 +168,30 @@ pub(super) fn decode_segment<W: Word>(
             let params = PassParams::read(side, pass, rule.serial)?;
             Ok(run_pass(pass, size, cells, errors, hole, &params, rule, &mut reading))
         })?;
+        if l == finest {
+            let cells = refined.flat();
+            if l == span.start {
+                side.check()?;
+                reading.raw.check()?;
+                reading.symbols.finish()?;
+            }
+            return Ok(Decoded::Cells(cells));
+        }
+        let finer = refined.level();
+        level = finer;
     }
+    side.check()?;
     reading.raw.check()?;
     reading.symbols.finish()?;
-    Ok(level)
+    Ok(Decoded::Level(level))
+}
+
+/// What a segment decodes to: the start of the next one, or the cells that were asked for.
+pub(super) enum Decoded<W> {
+    /// A level and its errors.
+    Level(Level<W>),
+    /// The cells of the level that was asked for, row by row.
+    Cells(Vec<W>),
 }
 
 /// The parts of a segment beside its parameters: raw bits and symbols.

@@ -26,6 +26,7 @@ mod values;
 mod word;
 
 pub use cells::Cells;
+pub use tables::TABLE_SET;
 pub use tile::{
     BandRule, Bound, EncodedTile, MAX_TILE_SIDE, SEGMENTS, TOP_LEVEL, TileShape, decode_tile, encode_tile, segments_for,
 };

@@ -1,6 +1,7 @@
 //! What a pass needs to know: filters, weights of the expected error, choice of tables; shipped or written out.
 
 use super::bits::{BitReader, BitWriter};
+use super::pass::FRACTION;
 use super::tables::{SHAPES, TableSet, VARIANTS};
 use super::taps::{MAX_TAPS, Pass, SERIAL_TAPS};
 use crate::error::{Error, ErrorKind, Result};
@@ -10,6 +11,16 @@ use crate::error::{Error, ErrorKind, Result};
 pub(super) const ERROR_WEIGHTS: usize = 9;
 /// Greatest magnitude of a filter's weight.
 pub(super) const WEIGHT_LIMIT: i32 = (1 << 13) - 1;
+/// What weights are written relative to: a quarter for each of the four nearest cells.
+const USUAL: [i32; MAX_TAPS] = {
+    let mut usual = [0; MAX_TAPS];
+    let mut k = 0;
+    while k < 4 {
+        usual[k] = 1 << (FRACTION - 2);
+        k += 1;
+    }
+    usual
+};
 /// Greatest shift of the bins, either way.
 pub(super) const SHIFT_LIMIT: i32 = 3;
 
@@ -81,8 +92,8 @@ impl PassParams {
             None => {
                 bits.put(u64::from(self.classes - 1), 1);
                 for filter in &self.filters[..usize::from(self.classes)] {
-                    for &weight in &filter[..Self::weights_of(pass, serial)] {
-                        bits.put_signed(i64::from(weight), 5);
+                    for (&weight, usual) in filter[..Self::weights_of(pass, serial)].iter().zip(USUAL) {
+                        bits.put_signed(i64::from(weight - usual), 5);
                     }
                 }
             }
@@ -113,8 +124,8 @@ impl PassParams {
             params.classes = bits.take(1) as u8 + 1;
             for class in 0..usize::from(params.classes) {
                 params.filters[class] = [0; MAX_TAPS];
-                for weight in &mut params.filters[class][..Self::weights_of(pass, serial)] {
-                    *weight = i32::try_from(bits.take_signed(5)).unwrap_or(i32::MAX);
+                for (weight, usual) in params.filters[class][..Self::weights_of(pass, serial)].iter_mut().zip(USUAL) {
+                    *weight = i32::try_from(bits.take_signed(5).saturating_add(i64::from(usual))).unwrap_or(i32::MAX);
                     if weight.unsigned_abs() > WEIGHT_LIMIT as u32 {
                         return Err(corrupt(format!(
                             "a filter weighs a cell by {weight}; the limit is {WEIGHT_LIMIT}"

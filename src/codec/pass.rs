@@ -33,7 +33,7 @@ impl TileRule {
     /// The rule of a step and of a range of `range_bits` bits.
     pub(super) fn new(step: i64, range_bits: u32, serial: bool) -> Self {
         let step_bits = 64 - step.leading_zeros();
-        Self { step, coarseness: step_bits.saturating_sub(6).max(range_bits.saturating_sub(40)), serial }
+        Self { step, coarseness: step_bits.saturating_sub(6).max(range_bits.saturating_sub(24)), serial }
     }
 
     /// Multiplier and shift that turn a weighted sum of errors into 64ths of a step.
@@ -46,28 +46,62 @@ impl TileRule {
 }
 
 /// Where residuals come from.
-pub(super) trait Residuals<W> {
-    /// The residual, in steps, of the cell at a row and column whose prediction is given. `raw` of its low bits are
-    /// stored as they are; the rest, negated where `flip` says so, is a symbol of the table.
-    fn next(&mut self, row: usize, col: usize, prediction: W, table: TableRef, raw: u32, flip: bool) -> i64;
+pub(super) trait Residuals<W: Word> {
+    /// The residual, in steps, of the cell at a row and column whose prediction is given.
+    fn next(&mut self, row: usize, col: usize, prediction: W, ask: Ask) -> i64;
+
+    /// The residuals of a whole row whose predictions do not depend on each other.
+    fn next_row(&mut self, row: usize, predictions: &[W], asks: &[Ask], residuals: &mut [W]) {
+        for (col, ((residual, &prediction), &ask)) in residuals.iter_mut().zip(predictions).zip(asks).enumerate() {
+            *residual = W::from_wide(self.next(row, col, prediction, ask));
+        }
+    }
 }
 
-/// Tables of the expected error's bins, for one pass.
+/// How a residual is stored: its table, how many low bits as they are, and whether its sign is turned.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ask {
+    pub(super) table: TableRef,
+    pub(super) raw: u8,
+    pub(super) flip: bool,
+}
+
+/// What the bin of the expected error and the class of the prediction's fraction lead to, for one pass.
 struct Bins {
-    table: [[TableRef; 4]; BINS],
-    raw: [u8; BINS],
+    asks: [[Ask; 4]; BINS],
+    mantissa: u64,
+    shift: u32,
+    /// How the fraction of a prediction is told apart: at steps 1 and 3 only.
+    fine: i64,
 }
 
 impl Bins {
-    fn new(params: &PassParams, step: i64) -> Self {
-        let mut bins = Self { table: [[TableRef(0); 4]; BINS], raw: [0; BINS] };
-        for bin in 0..BINS {
-            bins.raw[bin] = TableSet::raw_bits(bin) as u8;
-            for class in 0..4 {
-                bins.table[bin][class] = TableSet::table(step, params.shape, params.shift, bin, class);
+    fn new(params: &PassParams, rule: TileRule) -> Self {
+        let (mantissa, shift) = rule.scale();
+        let fine = if rule.step <= 3 { rule.step } else { 0 };
+        let mut bins = Self { asks: [[Ask::default(); 4]; BINS], mantissa, shift, fine };
+        for (bin, asks) in bins.asks.iter_mut().enumerate() {
+            for (class, ask) in asks.iter_mut().enumerate() {
+                ask.table = TableSet::table(rule.step, params.shape, params.shift, bin, class);
+                ask.raw = TableSet::raw_bits(bin) as u8;
             }
         }
         bins
+    }
+
+    /// How the residual is stored where so much error is expected and the prediction was rounded by `rest`.
+    #[inline(always)]
+    fn ask(&self, expected: u32, rest: i64) -> Ask {
+        let bin = bin_of((u64::from(expected) * self.mantissa) >> self.shift);
+        let distance = rest.unsigned_abs();
+        let class = match self.fine {
+            1 => distance >> 7,
+            3 => distance / 184,
+            _ => 0,
+        };
+        let mut ask = self.asks[bin][class as usize & 3];
+        ask.flip = self.fine != 0 && rest < 0;
+        ask
     }
 }
 
@@ -87,6 +121,25 @@ struct Rows<W> {
     class: Vec<u8>,
     expected: Vec<u32>,
     spare: Vec<W>,
+    asks: Vec<Ask>,
+    residuals: Vec<W>,
+}
+
+/// A prediction and by how much it was rounded, in fractions.
+#[inline(always)]
+fn rounded<W: Word>(base: W, deviation: W) -> (W, i64) {
+    let whole = deviation.plus(W::from_wide(HALF)).halved(FRACTION);
+    (base.plus(whole), deviation.minus(whole.doubled(FRACTION)).wide())
+}
+
+/// The cell that a residual makes of a prediction, and its error.
+#[inline(always)]
+fn rebuilt<W: Word>(prediction: W, rest: i64, k: i64, rule: TileRule) -> (W, u32) {
+    let jump = W::from_wide(k.wrapping_mul(rule.step));
+    let far = i64::from(jump.magnitude().min(1 << 30)) << FRACTION;
+    let far = (far - if jump.is_negative() { -rest } else { rest }).unsigned_abs();
+    let error = ((far >> (FRACTION - 2)) >> rule.coarseness).min(u64::from(ERROR_LIMIT)) as u32;
+    (prediction.plus(jump), error)
 }
 
 /// Adds the weighted taps to `sum`.
@@ -149,27 +202,29 @@ pub(super) fn mean<W: Word>(a: W, b: W, c: W, d: W) -> W {
 fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params: &PassParams, rule: TileRule) {
     let count = rows.base.len();
     let [a, b, c, d] = near.map(|run| &run[..count]);
-    let (spread_weight, across_weight) = (params.weights[3], params.weights[4]);
-    // The least error: a step's share.
-    let floor = params.weights[8].wrapping_mul(as_error(u32::try_from(rule.step).unwrap_or(u32::MAX), rule.coarseness));
-    let flat = u32::try_from(rule.step.saturating_mul(2)).unwrap_or(u32::MAX);
-    let classes = params.classes == 2;
+    let (base, expected) = (&mut rows.base[..count], &mut rows.expected[..count]);
     for j in 0..count {
-        let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
-        let base = mean(a, b, c, d);
-        rows.base[j] = base;
-        let spread = [a, b, c, d].map(|x| x.minus(base).magnitude() >> 2);
-        let spread = spread[0] + spread[1] + (spread[2] + spread[3]);
-        let (across, along) = match pass {
-            Pass::C => (a.plus(d).minus(b.plus(c)), (a.minus(d), b.minus(c))),
-            _ => (a.plus(b).minus(c.plus(d)), (a.minus(b), c.minus(d))),
-        };
-        rows.expected[j] = floor
-            .wrapping_add(spread_weight.wrapping_mul(as_error(spread, rule.coarseness)))
-            .wrapping_add(across_weight.wrapping_mul(as_error(across.magnitude() >> 1, rule.coarseness)));
-        if classes {
-            let steep = along.0.magnitude().saturating_add(along.1.magnitude()) > flat;
-            rows.class[j] = u8::from(steep);
+        base[j] = mean(a[j], b[j], c[j], d[j]);
+    }
+    let (spread_weight, across_weight) = (params.weights[3], params.weights[4]);
+    let coarseness = rule.coarseness;
+    // The least error: a step's share.
+    let floor = params.weights[8].wrapping_mul(as_error(u32::try_from(rule.step).unwrap_or(u32::MAX), coarseness));
+    // Over C the two diagonals are compared, elsewhere the row with the column.
+    let (p, q, r, s) = if pass == Pass::C { (a, d, b, c) } else { (a, b, c, d) };
+    for j in 0..count {
+        let far = |x: W| x.minus(base[j]).magnitude() >> 2;
+        let spread = far(a[j]) + far(b[j]) + (far(c[j]) + far(d[j]));
+        let across = p[j].plus(q[j]).minus(r[j].plus(s[j])).magnitude() >> 1;
+        expected[j] = floor
+            .wrapping_add(spread_weight.wrapping_mul(as_error(spread, coarseness)))
+            .wrapping_add(across_weight.wrapping_mul(as_error(across, coarseness)));
+    }
+    if params.classes == 2 {
+        let flat = u32::try_from(rule.step.saturating_mul(2)).unwrap_or(u32::MAX);
+        for (j, class) in rows.class[..count].iter_mut().enumerate() {
+            let (one, other) = (p[j].minus(q[j]).magnitude(), r[j].minus(s[j]).magnitude());
+            *class = u8::from(one.saturating_add(other) > flat);
         }
     }
 }
@@ -193,8 +248,7 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
     if own.is_empty() {
         return (own, own_errors);
     }
-    let bins = Bins::new(params, rule.step);
-    let (mantissa, shift) = rule.scale();
+    let bins = Bins::new(params, rule);
     let reach = width + FRAME;
     for row in [-1isize, -2] {
         own.framed_row_mut(row)[..reach].copy_from_slice(&cells.a.framed_row(0)[..reach]);
@@ -206,14 +260,11 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
         class: vec![0; width],
         expected: vec![0; width],
         spare: vec![W::default(); width],
+        asks: vec![Ask::default(); width],
+        residuals: vec![W::default(); width],
     };
     let taps = pass.taps();
     let [w_above, w_left, w_left2] = [params.weights[5], params.weights[6], params.weights[7]];
-    let fine = match rule.step {
-        1 => 1,
-        3 => 3,
-        _ => 0,
-    };
     for row in 0..height {
         // What is known of the row before its first cell.
         let near = std::array::from_fn(|k| cells.run(&own, taps[k], row, width));
@@ -257,46 +308,59 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
         let (mut left_error, mut left2_error) = (first_error, first_error);
         let serial: [[i32; SERIAL_TAPS]; 2] =
             std::array::from_fn(|class| std::array::from_fn(|k| params.filters[class][taps.len() + k]));
-        for col in 0..width {
-            let base = rows.base[col];
-            let mut deviation = rows.deviation[col];
-            let mut expected = rows.expected[col];
-            if rule.serial {
-                let [p, q] = serial[usize::from(rows.class[col] & 1)];
-                // The weights' share of the base is in the sum already.
-                deviation = deviation.plus(left.times(p)).plus(left2.times(q));
-                expected = expected
-                    .wrapping_add(w_left.wrapping_mul(left_error))
-                    .wrapping_add(w_left2.wrapping_mul(left2_error));
+        if !rule.serial && holes.is_none_or(|holes| !holes.contains(&1)) {
+            // Nothing depends on the cell to the left: loops of one thing each are faster than one loop of all.
+            let (predictions, rests) = (&mut rows.base, &mut rows.deviation);
+            for (base, deviation) in predictions.iter_mut().zip(rests.iter_mut()) {
+                let whole = deviation.plus(W::from_wide(HALF)).halved(FRACTION);
+                *base = base.plus(whole);
+                *deviation = deviation.minus(whole.doubled(FRACTION));
             }
-            let rounded = deviation.plus(W::from_wide(HALF)).halved(FRACTION);
-            let rest = deviation.minus(rounded.doubled(FRACTION)).wide();
-            let prediction = base.plus(rounded);
-            let (value, error);
-            if holes.is_some_and(|holes| holes[col] != 0) {
-                (value, error) = (prediction, nearest_errors[col]);
-            } else {
-                let bin = bin_of((u64::from(expected) * mantissa) >> shift);
-                let distance = rest.unsigned_abs();
-                let class = match fine {
-                    1 => (distance >> 7).min(3),
-                    3 => (distance / 184).min(2),
-                    _ => 0,
+            for ((ask, &expected), rest) in rows.asks.iter_mut().zip(&rows.expected).zip(rests.iter()) {
+                *ask = bins.ask(expected, rest.wide());
+            }
+            residuals.next_row(row, predictions, &rows.asks, &mut rows.residuals);
+            let (line, error_line) = (&mut line[FRAME..FRAME + width], &mut error_line[FRAME..FRAME + width]);
+            let (predictions, rests, taken) = (&predictions[..width], &rests[..width], &rows.residuals[..width]);
+            match i32::try_from(rule.step) {
+                Ok(step) if rule.coarseness == 0 => {
+                    for col in 0..width {
+                        let jump = taken[col].times(step);
+                        line[col] = predictions[col].plus(jump);
+                        error_line[col] = jump.fine_error(rests[col]);
+                    }
+                }
+                _ => {
+                    for col in 0..width {
+                        let rest = rests[col].wide();
+                        (line[col], error_line[col]) = rebuilt(predictions[col], rest, taken[col].wide(), rule);
+                    }
+                }
+            }
+        } else {
+            for col in 0..width {
+                let mut deviation = rows.deviation[col];
+                let mut expected = rows.expected[col];
+                if rule.serial {
+                    let [p, q] = serial[usize::from(rows.class[col] & 1)];
+                    // The weights' share of the base is in the sum already.
+                    deviation = deviation.plus(left.times(p)).plus(left2.times(q));
+                    expected = expected
+                        .wrapping_add(w_left.wrapping_mul(left_error))
+                        .wrapping_add(w_left2.wrapping_mul(left2_error));
+                }
+                let (prediction, rest) = rounded(rows.base[col], deviation);
+                let (value, error) = if holes.is_some_and(|holes| holes[col] != 0) {
+                    (prediction, nearest_errors[col])
+                } else {
+                    let ask = bins.ask(expected, rest);
+                    rebuilt(prediction, rest, residuals.next(row, col, prediction, ask), rule)
                 };
-                let flip = fine != 0 && rest < 0;
-                let table = bins.table[bin][class as usize & 3];
-                let k = residuals.next(row, col, prediction, table, u32::from(bins.raw[bin]), flip);
-                let jump = k.wrapping_mul(rule.step);
-                value = prediction.plus(W::from_wide(jump));
-                let far = ((i64::from(W::from_wide(jump).magnitude().min(1 << 30) as i32) << FRACTION)
-                    - if jump < 0 { -rest } else { rest })
-                .unsigned_abs();
-                error = ((far >> (FRACTION - 2)) >> rule.coarseness).min(u64::from(ERROR_LIMIT)) as u32;
+                line[FRAME + col] = value;
+                error_line[FRAME + col] = error;
+                (left2, left) = (left, value);
+                (left2_error, left_error) = (left_error, error);
             }
-            line[FRAME + col] = value;
-            error_line[FRAME + col] = error;
-            (left2, left) = (left, value);
-            (left2_error, left_error) = (left_error, error);
         }
         let (last, last_error) = (line[FRAME + width - 1], error_line[FRAME + width - 1]);
         line[FRAME + width..].fill(last);

@@ -7,7 +7,7 @@ use super::taps::{MAX_TAPS, Pass};
 use std::sync::OnceLock;
 
 /// Number of the table set that this build writes and reads.
-pub(crate) const TABLE_SET: u16 = 1;
+pub const TABLE_SET: u16 = 1;
 
 /// The set as it is written down in `format-spec/`.
 const BYTES: &[u8] = include_bytes!("../../format-spec/tables/codec-1.bin");
@@ -34,7 +34,7 @@ const DEFAULT_BYTES: usize = MAX_TAPS * 2 + ERROR_WEIGHTS;
 const DEFAULTS_AT: usize = TABLES * SYMBOLS * 2;
 
 /// Names one distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct TableRef(pub(super) u16);
 
 /// All shipped tables, unpacked at first use.
@@ -68,9 +68,6 @@ pub(super) fn reshaped(table: TableRef, shape: u8, shift: i32) -> TableRef {
 }
 
 impl TableSet {
-    /// Classes of the prediction's fraction at step 1.
-    pub(super) const STEP_ONE_KINDS: usize = 4;
-
     /// The table to decode with.
     #[inline(always)]
     pub(super) fn decoding(&self, table: TableRef) -> &Table {

@@ -2,8 +2,8 @@
 
 use super::Cells;
 use super::bits::{BitReader, BitWriter};
-use super::encode::{SegmentParts, encode_levels};
-use super::level::{Level, SegmentBody, decode_segment, levels, segment_levels};
+use super::encode::{Pyramid, SegmentParts, TileEncoder};
+use super::level::{Decoded, Level, SegmentBody, decode_segment, levels, segment_levels};
 use super::mapping::Mapping;
 use super::mask::{decode_voids, encode_voids, void_levels};
 use super::pass::TileRule;
@@ -233,21 +233,26 @@ fn finish<W: Word>(
 ) -> Result<Attempt> {
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(voids, shape, levels) };
-    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Plane<W>>) =
+    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Vec<W>>) =
         (false, Default::default(), None);
     if mapping.range_bits > 0 {
         let plain = TileRule::new(mapping.step, mapping.range_bits, false);
-        let parallel = encode_levels::<W>(xs, shape, levels, &holes, plain, false)?;
-        let chained = encode_levels::<W>(xs, shape, levels, &holes, TileRule { serial: true, ..plain }, false)?;
-        // Serial tiles take more than twice as long to decode: they have to be worth it.
+        let pyramid = Pyramid::<W>::new(xs, shape, levels, &holes);
+        let mut parallel = TileEncoder::new(&pyramid, plain);
+        let mut chained = TileEncoder::new(&pyramid, TileRule { serial: true, ..plain });
+        // The coarser levels tell which kind of tile is smaller; the finest, three quarters of the work, is coded once.
+        for level in (1..levels).rev() {
+            parallel.code_level(level)?;
+            chained.code_level(level)?;
+        }
+        // Serial tiles take longer to decode: they have to be worth it.
         serial = chained.cost + chained.cost / 256 < parallel.cost;
-        let coded = if serial { chained } else { parallel };
-        (parts, decoded_xs) = (coded.segments, Some(coded.level.cells));
+        let mut coded = if serial { chained } else { parallel };
+        coded.code_level(0)?;
+        (parts, decoded_xs) = (coded.segments, Some(coded.cells));
     }
     let mut decoded = match &decoded_xs {
-        Some(plane) => {
-            restore((0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide())), &mapping, rule)
-        }
+        Some(xs) => restore(xs.iter().map(|x| x.wide()), &mapping, rule),
         None => restore(std::iter::repeat_n(0, cells.len()), &mapping, rule),
     };
     let commonest = commonest_void(cells, voids, rule);
@@ -391,7 +396,7 @@ fn decode_levels<W: Word>(
 ) -> Result<Cells> {
     let levels = levels(shape);
     let tile_rule = TileRule::new(header.mapping.step, header.mapping.range_bits, header.serial);
-    let mut level = Level::seed(W::from_wide(header.seed));
+    let mut decoded = Decoded::Level(Level::seed(W::from_wide(header.seed)));
     let mut holes = header.voids.map(|top| Plane::framed(&[u8::from(top)], 1));
     let mut patches = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
@@ -422,14 +427,18 @@ fn decode_levels<W: Word>(
         if header.mapping.range_bits > 0 {
             let raw = take_part(&mut rest)?;
             let body = SegmentBody { raw, symbols: rest };
-            level = decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            if let Decoded::Level(level) = decoded {
+                decoded =
+                    decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            }
             rest = &[];
         }
         if !rest.is_empty() {
             return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} has bytes after its end")));
         }
         // The level that was asked for may end amid a segment: nothing behind it is looked at.
-        if let Some(found) = void_levels.into_iter().take(span.end.saturating_sub(finest.max(span.start)).into()).last()
+        if let Some(found) =
+            void_levels.into_iter().take(span.end.saturating_sub(finest.max(span.start)).into()).next_back()
         {
             holes = Some(found.cells);
         }
@@ -438,9 +447,11 @@ fn decode_levels<W: Word>(
     let mut cells = match header.mapping.range_bits {
         0 => restore(std::iter::repeat_n(0, asked.cells()), &header.mapping, rule),
         _ => {
-            let plane = &level.cells;
-            let xs = (0..plane.height).flat_map(|row| plane.row(row).iter().map(|x| x.wide()));
-            restore(xs, &header.mapping, rule)
+            let xs = match decoded {
+                Decoded::Cells(cells) => cells,
+                Decoded::Level(level) => level.flat(),
+            };
+            restore(xs.iter().map(|x| x.wide()), &header.mapping, rule)
         }
     };
     if let Some(holes) = &holes {

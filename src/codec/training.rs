@@ -1,7 +1,7 @@
 //! What a trainer of tables needs of the encoder: `tools/train` is its only user.
 
 use super::Cells;
-use super::encode::{Fitted, encode_levels};
+use super::encode::{Pyramid, TileEncoder};
 use super::level::levels;
 use super::mask::void_levels;
 use super::pass::TileRule;
@@ -9,12 +9,29 @@ use super::tile::{BandRule, TileShape};
 use super::values::{Mapped, find_voids, map_cells};
 use crate::error::Result;
 
+/// Parameters of a pass, for training.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The pass: 0 C, 1 H, 2 V.
+    pub pass: usize,
+    /// Whether the tile is serial.
+    pub serial: bool,
+    /// The quantiser's step.
+    pub step: i64,
+    /// Cells of the pass.
+    pub cells: usize,
+    /// The filter of the steep class.
+    pub filter: Vec<i32>,
+    /// Codes of the weights of errors.
+    pub codes: Vec<u8>,
+}
+
 /// Residuals and parameters of one tile.
 pub struct Observed {
     /// For each pass its residuals: number of the plain table, symbol.
     pub residuals: Vec<Vec<(u16, u8)>>,
     /// For each pass its parameters.
-    pub passes: Vec<(usize, bool, i64, usize, Vec<i32>, Vec<u8>)>,
+    pub passes: Vec<Fitted>,
 }
 
 /// Encodes a tile and tells what was coded; nothing for tiles of one value.
@@ -29,8 +46,12 @@ pub fn observe(cells: &Cells, shape: TileShape, rule: &BandRule, serial: bool) -
     }
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(&voids, shape, levels) };
-    let rule = TileRule::new(mapping.step, mapping.range_bits, serial);
-    let coded = encode_levels::<i32>(&xs, shape, levels, &holes, rule, true)?;
-    let tell = |f: Fitted| (f.pass, f.serial, f.step, f.cells, f.filter, f.codes);
-    Ok(Observed { residuals: coded.spread, passes: coded.fitted.into_iter().map(tell).collect() })
+    let pyramid = Pyramid::<i32>::new(&xs, shape, levels, &holes);
+    let mut coded = TileEncoder::new(&pyramid, TileRule::new(mapping.step, mapping.range_bits, serial));
+    coded.observed = Some(Default::default());
+    for level in (0..levels).rev() {
+        coded.code_level(level)?;
+    }
+    let observed = coded.observed.unwrap_or_default();
+    Ok(Observed { residuals: observed.spread, passes: observed.fitted })
 }

@@ -129,10 +129,11 @@ fn map_whole(values: Vec<i64>, voids: &[u8], error: i64, meaning: Meaning) -> Ma
             xs: vec![0; values.len()],
         };
     }
-    if error == 0 && meaning == Meaning::Whole {
-        if let Some(mapped) = map_list(&values, voids, least, range) {
-            return mapped;
-        }
+    if error == 0
+        && meaning == Meaning::Whole
+        && let Some(mapped) = map_list(&values, voids, least, range)
+    {
+        return mapped;
     }
     let mut factor = 0u64;
     for value in held() {

@@ -20,6 +20,11 @@ pub(super) trait Word: Copy + Default + Send + Sync + PartialEq + std::fmt::Debu
     fn doubled(self, times: u32) -> Self;
     /// Magnitude, saturated to 32 bits.
     fn magnitude(self) -> u32;
+    /// Whether it is less than 0.
+    fn is_negative(self) -> bool;
+    /// The error, in quarters, of a cell that this jump from its prediction gives, where the prediction was rounded
+    /// by `rest` 1024ths; at most `2^20`.
+    fn fine_error(self, rest: Self) -> u32;
 }
 
 impl Word for i32 {
@@ -55,6 +60,16 @@ impl Word for i32 {
     fn magnitude(self) -> u32 {
         self.unsigned_abs()
     }
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self < 0
+    }
+    #[inline(always)]
+    fn fine_error(self, rest: Self) -> u32 {
+        // Beyond 2^19 the error is at its limit whatever the rest; up to there nothing overflows.
+        let jump = self.clamp(-(1 << 19), 1 << 19) << 10;
+        ((jump.wrapping_sub(rest).unsigned_abs()) >> 8).min(1 << 20)
+    }
 }
 
 impl Word for i64 {
@@ -89,5 +104,14 @@ impl Word for i64 {
     #[inline(always)]
     fn magnitude(self) -> u32 {
         u32::try_from(self.unsigned_abs()).unwrap_or(u32::MAX)
+    }
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self < 0
+    }
+    #[inline(always)]
+    fn fine_error(self, rest: Self) -> u32 {
+        let jump = self.clamp(-(1 << 19), 1 << 19) << 10;
+        ((jump.wrapping_sub(rest).unsigned_abs()) >> 8).min(1 << 20) as u32
     }
 }

@@ -7,14 +7,17 @@
 //! **Above** is the total order of the cells: higher first, and among equals the one with the lower index
 //! (`row * columns + column`). [`neighbours`] is the one place that knows it.
 
+mod bits;
 mod elevations;
 mod georeference;
 mod key;
 pub mod neighbours;
 mod raster;
 pub mod ring;
+mod window;
 
 pub use elevations::{Elevations, Sample, SampleType};
 pub use georeference::GeoTransform;
 pub use key::Key;
 pub use raster::{AnyGrid, Cell, Grid};
+pub use window::window_of;

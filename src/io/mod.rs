@@ -1,12 +1,13 @@
 //! Files, through GDAL: the only folder that says `gdal::`.
 //!
-//! [`raster`] opens and reads elevation models, [`features`] reads vector layers and [`vector`] writes them,
-//! [`transform`] turns coordinates into longitudes and latitudes, [`output`] sees to it that no file is left
-//! half-written, [`messages`] turns what GDAL says into errors of this crate.
+//! [`raster`] reads and writes elevation models, [`features`] reads vector layers and [`vector`] writes them,
+//! [`transform`] turns coordinates into longitudes and latitudes, [`output`] and [`output_folder`] see to it that no
+//! file is left half-written, [`messages`] turns what GDAL says into errors of this crate.
 
 pub mod features;
 pub mod messages;
 pub mod output;
+pub mod output_folder;
 pub mod raster;
 pub mod transform;
 pub mod vector;

@@ -6,12 +6,9 @@ use super::description::{
     TILE_SIDE_STEP,
 };
 use super::{index, text};
-use crate::codec::{BandRule, Bound, MAX_TILE_SIDE};
+use crate::codec::{BandRule, Bound, MAX_TILE_SIDE, TABLE_SET};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{GeoTransform, SampleType};
-
-/// Number of the set of trained tables that the codec uses.
-const TABLE_SET: u64 = 1;
 
 /// Flags of the raster.
 mod flag {
@@ -68,7 +65,7 @@ pub(super) fn write(description: &Description) -> Vec<u8> {
     put_varint(&mut out, *height as u64);
     put_varint(&mut out, (tile_side / TILE_SIDE_STEP) as u64);
     put_varint(&mut out, bands.len() as u64);
-    put_varint(&mut out, TABLE_SET);
+    put_varint(&mut out, u64::from(TABLE_SET));
     let mut flags = 0;
     let alike = bands.len() > 1 && bands.iter().all(|band| numbers(band) == numbers(&bands[0]));
     let mut floats = vec![];
@@ -162,7 +159,7 @@ pub(super) fn read(bytes: &[u8], chunk_bytes: u64) -> Result<Description> {
     }
     index::check_count(chunks, chunk_bytes)?;
     let tables = cursor.varint()?;
-    if tables != TABLE_SET {
+    if tables != u64::from(TABLE_SET) {
         let message = format!("made with set {tables} of the tables, of which this program knows set {TABLE_SET}");
         return Err(Error::new(ErrorKind::Unsupported, message).at_place("section META"));
     }

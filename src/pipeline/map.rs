@@ -1,5 +1,6 @@
 //! The job behind `orograph map`: from a DEM and the layers of its survey to a picture.
 
+use super::archive::open_dem;
 use super::memory;
 use super::overlay::{ReadOverlay, read_overlay};
 use crate::crs::{Crs, Ellipsoid};
@@ -79,7 +80,7 @@ pub struct MapReport {
 /// Anything that is wrong with the inputs, the output or the options; then no file has changed.
 pub fn run(job: &MapJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<MapReport> {
     check_extension(&job.output)?;
-    let source = RasterSource::open(&job.input, &job.raster)?;
+    let source = open_dem(&job.input, &job.raster, job.memory, watch)?;
     let crs = source.crs.as_ref();
     let sea_level_m = sea_level_m(job, crs)?;
     let options = MapOptions {

@@ -14,6 +14,12 @@ const FIXED_BYTES: u64 = 96 << 20;
 /// What may be used where the system does not tell what is free.
 const UNKNOWN_FREE_BYTES: u64 = 4 << 30;
 
+/// Copies of a batch that there are at once: one being read, one being worked on, and what it turns into.
+const COPIES: u64 = 3;
+
+/// What a job that works batch by batch may use where nothing is said, beside what its threads need.
+const USUAL_BATCH_JOB_BYTES: u64 = 1 << 30;
+
 /// Bytes of memory that the machine has free for this process, limits of its control group included.
 pub fn free_bytes() -> u64 {
     // A system that does not tell is taken to be a small one.
@@ -34,6 +40,32 @@ pub fn survey_bytes(cells: u64, key_bytes: u64) -> u64 {
 /// Bytes that a map of so many pixels takes, drawn from a raster of at most twice its resolution.
 pub fn map_bytes(pixels: u64) -> u64 {
     pixels.saturating_mul(MAP_BYTES_PER_PIXEL).saturating_add(FIXED_BYTES)
+}
+
+/// What a job takes that goes through a raster batch by batch.
+#[derive(Clone, Copy, Debug)]
+pub struct BatchNeeds {
+    /// Bytes of the cells of the smallest batch.
+    pub least: u64,
+    /// Bytes that each thread needs while it works on a tile.
+    pub per_thread: u64,
+    /// Bytes that are kept for the whole raster.
+    pub kept: u64,
+}
+
+/// Bytes of cells that a batch may have, so that the job stays within so much memory, or within about a gigabyte where
+/// nothing is said: more makes nothing faster.
+///
+/// # Errors
+/// When not even the smallest batch fits; with the estimate and `remedy`.
+pub fn batch_budget(memory: Option<u64>, needs: &BatchNeeds, remedy: &str) -> Result<u64> {
+    let threads = rayon::current_num_threads() as u64;
+    let fixed = FIXED_BYTES.saturating_add(needs.per_thread.saturating_mul(threads)).saturating_add(needs.kept);
+    let needed = fixed.saturating_add(needs.least.saturating_mul(COPIES));
+    let usual = (needed + (256 << 20)).max(USUAL_BATCH_JOB_BYTES + needs.per_thread.saturating_mul(threads));
+    let budget = memory.unwrap_or_else(|| free_bytes().min(usual));
+    admit_or(needed, budget, remedy)?;
+    Ok((budget - fixed) / COPIES)
 }
 
 /// Refuses a survey that would not fit.

@@ -1,5 +1,6 @@
 //! The job behind `orograph peaks`: from a DEM to the layers of its survey.
 
+use super::archive::open_dem;
 use super::layers::{DivideTreeLayer, IsolationLayer, LengthOutput, NAMES, PeakTags, PeaksLayer, SaddlesLayer};
 use super::metric::Distance;
 use super::surveying::{Surveyed, Surveying};
@@ -64,7 +65,7 @@ pub struct PeaksReport {
 /// Anything that is wrong with the input, the output or the options; then no file has changed.
 pub fn run(job: &PeaksJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<PeaksReport> {
     let layer_names: Vec<&str> = NAMES.into_iter().filter(|name| job.layers.iter().any(|l| l == name)).collect();
-    let source = RasterSource::open(&job.input, &job.raster)?;
+    let source = open_dem(&job.input, &job.raster, job.memory, watch)?;
     let writer = Writer::begin(&job.output, &layer_names, job.overwrite)?;
     let outputs = writer.targets();
     let surveying = Surveying { options: &job.survey, distance: job.distance, memory: job.memory };

@@ -47,7 +47,7 @@ impl Surveying<'_> {
     /// # Errors
     /// With the estimate and what to do.
     pub(super) fn admit(&self, source: &RasterSource) -> Result<()> {
-        let needed = memory::survey_bytes(source.cells(), source.key_bytes());
+        let needed = memory::survey_bytes(source.cells(), source.key_bytes()) + source.unpacked_bytes();
         memory::admit(needed, self.memory.unwrap_or_else(memory::free_bytes))
             .map_err(|error| error.at_path(&source.path))
     }

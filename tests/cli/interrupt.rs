@@ -85,3 +85,55 @@ fn nothing_is_left_behind() {
     // Reading and measuring so many cells takes longer than telling it to stop.
     assert!(interrupted > 0, "no run was interrupted");
 }
+
+/// Starts the program and ends it with a signal after a while; returns how it ended.
+fn ended(folder: &Path, arguments: &[&str], signal: &str, delay_ms: u64) -> std::process::ExitStatus {
+    let mut command = Command::new(PROGRAM);
+    command.current_dir(folder).args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = command.spawn().expect("the program starts");
+    until_it_listens(&mut child);
+    thread::sleep(Duration::from_millis(delay_ms));
+    let killed = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status();
+    killed.expect("kill runs");
+    child.wait().expect("the program ends")
+}
+
+#[test]
+fn containers_are_whole_or_not_there() {
+    let dir = folder();
+    noise(dir.path());
+    let encode = ["encode", "noise.bin", "out.oro", "--tile-size", "64"];
+    assert!(Command::new(PROGRAM).current_dir(dir.path()).args(encode).output().expect("it runs").status.success());
+    fs::rename(dir.path().join("out.oro"), dir.path().join("whole.oro")).expect("renamed");
+    let whole = fs::read(dir.path().join("whole.oro")).expect("the container");
+    let decode = ["decode", "whole.oro", "out.tif"];
+    let before = listing(dir.path());
+    for (signal, arguments, out) in [
+        ("-INT", &encode[..], "out.oro"),
+        ("-KILL", &encode, "out.oro"),
+        ("-INT", &decode, "out.tif"),
+        ("-KILL", &decode, "out.tif"),
+    ] {
+        for delay_ms in [0, 10, 30, 100, 300] {
+            let status = ended(dir.path(), arguments, signal, delay_ms);
+            let found = listing(dir.path());
+            if found.iter().any(|name| name == out) {
+                // It was done before it was ended.
+                let bytes = fs::read(dir.path().join(out)).expect("the output");
+                assert!(out != "out.oro" || bytes == whole, "{signal} {delay_ms}: a half file");
+                assert!(bytes.len() > 100_000, "{signal} {delay_ms}: a half file");
+                fs::remove_file(dir.path().join(out)).expect("removed");
+            } else {
+                assert!(!status.success(), "{signal} {delay_ms}: {out} is not there");
+            }
+            for name in listing(dir.path()) {
+                // Nobody can tidy up after being killed, but what is left has a name of its own.
+                if signal == "-KILL" && name.starts_with(".orograph-") {
+                    let path = dir.path().join(name);
+                    if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }.expect("removed");
+                }
+            }
+            assert_eq!(listing(dir.path()), before, "{signal} {delay_ms} {out}");
+        }
+    }
+}

@@ -2,10 +2,13 @@
 
 #![cfg(feature = "program")]
 
+mod archive;
+mod archive_failures;
 mod examples;
 mod failures;
 mod interrupt;
 mod outputs;
+mod rasters;
 
 use serde_json::Value;
 use std::collections::BTreeMap;

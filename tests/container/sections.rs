@@ -1,75 +1,11 @@
 //! Sections that a reader does not know, versions that it does not know.
-//!
-//! Files are put together here from their parts, after the specification and without the library's own writing.
 
 use crate::case::{Case, assert_same};
+use crate::parts::Parts;
 use orograph::error::ErrorKind;
 use orograph::grid::SampleType;
 use orograph::oro::{Reader, Window};
 use orograph::watch::Watch;
-use sha2::{Digest, Sha256};
-
-const FOOTER: usize = 38;
-
-/// A file in parts: everything before the first section, and each section with its type.
-#[derive(Clone)]
-struct Parts {
-    chunks: Vec<u8>,
-    sections: Vec<(u8, Vec<u8>)>,
-    version: u16,
-    flags: u16,
-}
-
-impl Parts {
-    fn of(bytes: &[u8]) -> Self {
-        let footer = &bytes[bytes.len() - FOOTER..];
-        let directory_length = usize::from(u16::from_le_bytes([footer[24], footer[25]]));
-        let mut end = bytes.len() - FOOTER - directory_length;
-        let mut directory = &bytes[end..bytes.len() - FOOTER];
-        let mut entries = vec![];
-        while let [number, rest @ ..] = directory {
-            let last = rest.iter().position(|byte| byte & 0x80 == 0).expect("a varint ends");
-            let length = rest[..=last].iter().rev().fold(0, |sum, byte| sum << 7 | usize::from(byte & 0x7f));
-            entries.push((*number, length));
-            directory = &rest[last + 5..];
-        }
-        let mut sections = vec![];
-        for &(number, length) in entries.iter().rev() {
-            sections.insert(0, (number, bytes[end - length..end].to_vec()));
-            end -= length;
-        }
-        Self { chunks: bytes[12..end].to_vec(), sections, version: 1, flags: 0 }
-    }
-
-    fn file(&self) -> Vec<u8> {
-        let profile = [self.version.to_le_bytes(), self.flags.to_le_bytes()].concat();
-        let mut file = [b"\x89ORO", profile.as_slice()].concat();
-        file.extend(crc32c::crc32c(&file).to_le_bytes());
-        file.extend(&self.chunks);
-        let mut directory = vec![];
-        for (number, bytes) in &self.sections {
-            file.extend(bytes);
-            directory.push(*number);
-            let mut length = bytes.len();
-            while length >= 0x80 {
-                directory.push(length as u8 | 0x80);
-                length >>= 7;
-            }
-            directory.push(length as u8);
-            directory.extend(crc32c::crc32c(bytes).to_le_bytes());
-        }
-        file.extend(&directory);
-        let mut footer = ((file.len() + FOOTER) as u64).to_le_bytes().to_vec();
-        footer.extend(&Sha256::digest(&file)[..16]);
-        footer.extend((directory.len() as u16).to_le_bytes());
-        footer.extend(profile);
-        footer.extend(crc32c::crc32c(&[directory, footer.clone()].concat()).to_le_bytes());
-        footer.extend(b"ORO\x89");
-        file.extend(footer);
-        file
-    }
-}
-
 fn case() -> Case {
     Case::new(100, 70, 64, &[SampleType::I16])
 }

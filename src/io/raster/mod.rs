@@ -1,10 +1,13 @@
 //! Elevation models: what a raster file says of itself, and its cells.
+//!
+//! [`RasterSource`] reads one band as elevations that can be compared; [`stored`] keeps rasters as they are.
 
 mod crs;
 mod dem;
 mod read;
 mod reduced;
 mod source;
+pub mod stored;
 mod strips;
 mod suspect;
 

@@ -2,7 +2,7 @@
 
 use super::super::messages::{failure, take_failures};
 use super::dem::{Dem, Extremes};
-use super::source::{NoData, RasterSource, open_dataset};
+use super::source::{NoData, RasterSource};
 use super::strips::{each_strip, strip_bounds};
 use super::suspect::find_sentinel;
 use crate::error::{Error, ErrorKind, Result};
@@ -160,7 +160,7 @@ impl Strip<'_> {
         lines: &mut [K],
     ) -> std::result::Result<(), Stop> {
         if dataset.is_none() {
-            *dataset = Some((open_dataset(&self.source.path)?, Vec::new(), Vec::new()));
+            *dataset = Some((self.source.dataset()?, Vec::new(), Vec::new()));
         }
         let (dataset, values, mask) = dataset.as_mut().expect("just opened");
         let cols = self.source.window[2];

@@ -4,7 +4,7 @@
 //! one, and rounds the means of some types.
 
 use super::read::STRIP_CELLS;
-use super::source::{NoData, RasterSource, open_dataset};
+use super::source::{NoData, RasterSource};
 use super::strips::{each_strip, strip_bounds};
 use super::suspect::{Ends, Sentinel};
 use crate::error::Result;
@@ -90,7 +90,7 @@ impl RasterSource {
 
     /// Chooses what to read: the file itself, or one of its overviews.
     fn level(&self, most: (usize, usize)) -> Result<Level> {
-        let dataset = open_dataset(&self.path)?;
+        let dataset = self.dataset()?;
         let wrong = |error: GdalError| self.unreadable(self.window[1], self.window[3], &error);
         let band = dataset.rasterband(self.band).map_err(wrong)?;
         let [col, row, cols, rows] = self.window.map(|v| v as f64);
@@ -127,7 +127,7 @@ impl RasterSource {
     /// Reads rows of a level and averages them.
     fn read_part<T: Stored>(&self, level: &Level, scratch: &mut Scratch<T>, from: usize, lines: usize) -> Result<Part> {
         if scratch.dataset.is_none() {
-            scratch.dataset = Some(open_dataset(&self.path)?);
+            scratch.dataset = Some(self.dataset()?);
         }
         let dataset = scratch.dataset.as_ref().expect("just opened");
         let wrong = |error: GdalError| self.unreadable(from, lines, &error);

@@ -2,13 +2,15 @@
 
 use super::super::messages::{failure, quiet};
 use super::crs::{describe, parse_crs};
+use super::stored::MemoryRaster;
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
-use crate::grid::{Elevations, GeoTransform, SampleType};
+use crate::grid::{Elevations, GeoTransform, SampleType, window_of};
 use crate::units::LengthUnit;
 use gdal::raster::{GdalDataType, RasterBand};
 use gdal::{Dataset, DatasetOptions, GdalOpenFlags};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// How to read a raster; what is `None` is taken from the file.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +43,8 @@ pub struct NoData {
 pub struct RasterSource {
     /// The file.
     pub path: PathBuf,
+    /// The raster in memory that is read in the file's place, where it had to be unpacked first.
+    pub(super) unpacked: Option<Arc<MemoryRaster>>,
     /// GDAL's short name of the format.
     pub driver: String,
     /// Number of the band, from 1.
@@ -112,6 +116,28 @@ impl RasterSource {
         Self::describe(&dataset, path, options).map_err(|error| error.at_path(path))
     }
 
+    /// Opens a band of a raster that a file was unpacked to; `path` is that file.
+    ///
+    /// # Errors
+    /// As [`RasterSource::open`].
+    pub fn open_unpacked(path: &Path, raster: MemoryRaster, options: &RasterOptions) -> Result<Self> {
+        let dataset = open_dataset(raster.path())?;
+        let mut source = Self::describe(&dataset, path, options).map_err(|error| error.at_path(path))?;
+        source.unpacked = Some(Arc::new(raster));
+        Ok(source)
+    }
+
+    /// Opens what the cells are read from.
+    pub(super) fn dataset(&self) -> Result<Dataset> {
+        open_dataset(self.unpacked.as_ref().map_or(&self.path, |raster| raster.path()))
+    }
+
+    /// Bytes of memory that the raster takes before it is read.
+    pub fn unpacked_bytes(&self) -> u64 {
+        let bytes = self.cells() * self.elevations.sample_type.bytes() as u64;
+        if self.unpacked.is_some() { bytes } else { 0 }
+    }
+
     fn describe(dataset: &Dataset, path: &Path, options: &RasterOptions) -> Result<Self> {
         let mut notes = Vec::new();
         let bands = dataset.raster_count();
@@ -148,7 +174,7 @@ impl RasterSource {
         } else if crs.is_none() {
             notes.push("the file has no CRS: distances come from its geotransform, as if its unit were the metre (assign one with --crs)".into());
         }
-        let mut window = window_of(&whole, cols, rows, options)?;
+        let mut window = window_of(&whole, (cols, rows), options.window, options.bbox)?;
         let (wraps, repeats) = spans_globe(crs.as_ref(), &whole, window[2]);
         if repeats {
             notes.push("the last column repeats the first (360 degrees further east); it is left out".into());
@@ -170,6 +196,7 @@ impl RasterSource {
         let mask = !flags.is_all_valid() && (flags.is_per_dataset() || flags.is_alpha());
         Ok(Self {
             path: path.to_path_buf(),
+            unpacked: None,
             driver: dataset.driver().short_name(),
             band: number,
             bands,
@@ -202,7 +229,7 @@ impl RasterSource {
     }
 }
 
-fn no_bands(dataset: &Dataset) -> Error {
+pub(super) fn no_bands(dataset: &Dataset) -> Error {
     use gdal::Metadata;
     let inner: Vec<String> = dataset
         .metadata_domain("SUBDATASETS")
@@ -234,7 +261,7 @@ fn crs_of(dataset: &Dataset, options: &RasterOptions, notes: &mut Vec<String>) -
     }
 }
 
-fn is_signed_byte(band: &RasterBand<'_>) -> bool {
+pub(super) fn is_signed_byte(band: &RasterBand<'_>) -> bool {
     use gdal::Metadata;
     band.metadata_item("PIXELTYPE", "IMAGE_STRUCTURE").is_some_and(|item| item == "SIGNEDBYTE")
 }
@@ -302,48 +329,6 @@ fn elevations_of(
         },
     };
     Ok(Elevations { sample_type, scale, offset, unit })
-}
-
-/// First column, first row, columns and rows that the options leave.
-fn window_of(whole: &GeoTransform, cols: usize, rows: usize, options: &RasterOptions) -> Result<[usize; 4]> {
-    match (options.window, options.bbox) {
-        (Some(_), Some(_)) => Err(Error::usage("--window and --bbox cannot be given together")),
-        (None, None) => Ok([0, 0, cols, rows]),
-        (Some([col, row, w, h]), None) => {
-            let fits = w > 0
-                && h > 0
-                && col.checked_add(w).is_some_and(|end| end <= cols)
-                && row.checked_add(h).is_some_and(|end| end <= rows);
-            if !fits {
-                return Err(Error::usage(format!(
-                    "--window {col},{row},{w},{h} does not lie in the raster of {cols} columns and {rows} rows"
-                )));
-            }
-            Ok([col, row, w, h])
-        }
-        (None, Some([x0, y0, x1, y1])) => {
-            if !whole.is_axis_parallel() {
-                return Err(Error::usage(
-                    "--bbox needs a raster whose rows and columns run along the axes; use --window",
-                ));
-            }
-            let (a, b) = (whole.pixel(x0, y0), whole.pixel(x1, y1));
-            // Cells whose centres lie in the box.
-            let range = |p: f64, q: f64, n: usize| {
-                let (low, high) = (p.min(q), p.max(q));
-                let first = (low - 0.5).ceil().max(0.0);
-                let end = ((high - 0.5).floor() + 1.0).min(n as f64);
-                (first, end - first)
-            };
-            let ((row, h), (col, w)) = (range(a.0, b.0, rows), range(a.1, b.1, cols));
-            if !(w >= 1.0 && h >= 1.0) || x0 > x1 || y0 > y1 {
-                return Err(Error::usage(format!(
-                    "--bbox {x0},{y0},{x1},{y1} holds no cell of the raster; expected xmin,ymin,xmax,ymax in the raster's CRS"
-                )));
-            }
-            Ok([col as usize, row as usize, w as usize, h as usize])
-        }
-    }
 }
 
 /// Whether the columns span 360 degrees within a hundredth of a cell, and whether the last one repeats the first.

@@ -1,10 +1,12 @@
 //! What an input is: a DEM, a layer of peaks, or a statistics file.
 
+use super::super::archive::open_dem;
 use super::job::StatsJob;
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::features::{LayerSummary, list_layers};
 use crate::io::raster::RasterSource;
 use crate::orometry::distributions::{STATS_FORMAT, StatsDocument};
+use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 
 /// An input, opened.
@@ -35,7 +37,7 @@ impl InputFile {
     ///
     /// # Errors
     /// When it is missing, or cannot be read as what it seems to be.
-    pub(super) fn open(path: &Path, job: &StatsJob) -> Result<Self> {
+    pub(super) fn open(path: &Path, job: &StatsJob, watch: &Watch) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         if extension == "json" {
             let text = std::fs::read_to_string(path).map_err(|error| {
@@ -51,7 +53,7 @@ impl InputFile {
                 return Ok(Self::Document(Box::new(document)));
             }
         }
-        let dem = || RasterSource::open(path, &job.raster).map(|source| Self::Dem(Box::new(source)));
+        let dem = || open_dem(path, &job.raster, job.memory, watch).map(|source| Self::Dem(Box::new(source)));
         if !VECTORS.contains(&extension.as_str()) {
             return dem();
         }

@@ -123,7 +123,7 @@ impl StatsJob {
 /// Anything that is wrong with the inputs, the outputs or the options; then no file has changed.
 pub fn run(job: &StatsJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<StatsReport> {
     let outputs = Outputs::begin(job)?;
-    let inputs = job.inputs.iter().map(|path| InputFile::open(path, job)).collect::<Result<Vec<_>>>()?;
+    let inputs = job.inputs.iter().map(|path| InputFile::open(path, job, watch)).collect::<Result<Vec<_>>>()?;
     if inputs.iter().all(is_document) {
         refuse_measuring(job)?;
     }

@@ -1,0 +1,20 @@
+//! Jobs on `.oro` containers: from rasters of any format and back, and looking after them.
+//!
+//! [`encode`] and [`decode`] take a raster batch by batch: while the threads work on the tiles of one, the next is
+//! read, or the last one written. What they write does not depend on threads or memory.
+
+mod batch;
+mod container;
+pub mod decode;
+mod dem;
+pub mod encode;
+mod input;
+mod promise;
+mod record;
+mod stream;
+pub mod verify;
+
+pub use container::{ContainerOptions, ContainerSource, is_container};
+pub use dem::open_dem;
+pub use promise::Promise;
+pub use stream::Target;

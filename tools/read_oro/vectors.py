@@ -1,0 +1,45 @@
+"""Reads the conformance vectors and compares with their descriptions."""
+
+import json
+
+from basics import SEEN
+
+# What the accepted vectors together have to show of the codec.
+FEATURES = {
+    "whole", "grid", "fixed", "ordered", "list", "factor", "own void", "patches", "32-bit words", "64-bit words",
+    "coarse errors", "serial", "not serial", "filter of the set", "own filters", "two classes", "error weights of the set",
+    "own error weights", "shape 0", "shape 1", "escape", "raw bits", "run of voids", "1 state", "4 states", "8 states",
+}  # fmt: skip
+
+
+def run(folder, describe):
+    """0 when all are read as they should be."""
+    faults = []
+    accepted, rejected = sorted((folder / "accept").glob("*.oro")), sorted((folder / "reject").glob("*.oro"))
+    for path in accepted:
+        expected = json.loads(path.with_suffix(".json").read_text())
+        for level, hashes in expected.pop("sha256").items():
+            try:
+                found = describe(path, int(level))
+            except ValueError as error:
+                found = {"rejected": str(error), "sha256": None}
+            if found.pop("sha256") != hashes:
+                faults.append(f"{path.name}: other cells at level {level}")
+            wrong = [name for name in expected if name != "about" and found.get(name) != expected[name]]
+            if wrong or not found.get("hash"):
+                faults.append(f"{path.name}: {wrong or 'hash'}: {found}")
+                break
+    seen = set(SEEN)
+    for path in rejected:
+        expected = json.loads(path.with_suffix(".json").read_text())["requirement"]
+        try:
+            describe(path, 0)
+            faults.append(f"{path.name}: accepted")
+        except ValueError as error:
+            if str(error) != expected:
+                faults.append(f"{path.name}: rejected by {error}")
+    if not accepted or not rejected:
+        faults.append(f"{folder}: no vectors")
+    faults += [f"no accepted vector shows: {feature}" for feature in sorted(FEATURES - seen)]
+    print(*faults, f"{len(accepted)} accepted and {len(rejected)} rejected vectors, {len(faults)} faults", sep="\n")
+    return int(bool(faults))
