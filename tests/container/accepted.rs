@@ -127,7 +127,7 @@ fn types() -> Vec<Vector> {
         }),
         ("u32-noise", "any u32: escapes, raw bits, words of 64 bits", bits(SampleType::U32, 20)),
         ("i32-noise", "any i32", bits(SampleType::I32, 20)),
-        ("f64-noise", "any finite f64: numbers that wrap", bits(SampleType::F64, 12)),
+        ("f64-noise", "any finite f64: 64 range bits", bits(SampleType::F64, 12)),
     ]
 }
 
@@ -252,9 +252,12 @@ fn filters() -> Vec<Vector> {
         let z = heights(side, side, seed, roughness).iter().map(|&z| (z * 4.0) as i16).collect();
         file(side, side, side.div_ceil(64) * 64, Cells::I16(z), None, Bound::MaxError(error))
     };
-    // Marshes between smooth slopes: two kinds of ground in one tile.
-    let marsh = |(z, bits): (&f64, u64)| if *z < 800.0 { (bits >> 63) as i16 } else { ((z - 800.0) * 8.0) as i16 };
-    let marshes = heights(128, 128, 8, 0.0).iter().zip(noise(22)).map(marsh).collect();
+    // Marsh on the left, waves on the right: two kinds of ground in one tile.
+    let ground = |(index, bits): (usize, u64)| match (index / 128, index % 128) {
+        (_, 0..64) => 900 + (bits >> 63) as i16,
+        (row, col) => 1000 + ((row * 37 + col * 90) % 256) as i16,
+    };
+    let marsh = noise(22).take(128 * 128).enumerate().map(ground).collect();
     // Waves along the rows: a cell is best known from its neighbour to the left.
     let waves: Vec<u8> = (0..96 * 96).map(|index| ((index / 96 * 37 + index % 96 * 90) % 256) as u8).collect();
     let (mut walk, mut z) = (vec![], 0_i32);
@@ -265,8 +268,8 @@ fn filters() -> Vec<Vector> {
     vec![
         ("smooth", "128 x 128 of smooth terrain, max error 2", tile(128, 8, 0.0, 2.0)),
         ("rough", "128 x 128 of rough terrain, max error 200", tile(128, 9, 1.2, 200.0)),
-        ("marshes", "128 x 128, half of it nearly flat: two classes, lossless", {
-            file(128, 128, 128, Cells::I16(marshes), None, Bound::Lossless)
+        ("marsh-and-waves", "128 x 128, one half nearly flat, one of waves: two classes, lossless", {
+            file(128, 128, 128, Cells::I16(marsh), None, Bound::Lossless)
         }),
         ("waves", "96 x 96 of waves that only filters of their own follow", {
             file(96, 96, 128, Cells::U8(waves), None, Bound::Lossless)

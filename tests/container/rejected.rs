@@ -253,7 +253,7 @@ fn tile_headers() -> Vec<Vector> {
             of([first, vec![], vec![], [part(&side.bytes()), part(&[]), vec![0; 4]].concat()])
         }),
         ("r027-range-bits", "65 range bits", lone(u8s, &start(0).number(0, 0).bits(65, 7).number(2, 0))),
-        ("r027-step", "a step of 2^62 + 1", lone(u8s, &start(0).number(0, 0).bits(0, 7).number(2, 1 << 61))),
+        ("r027-step", "a step of 2^33 + 1", lone(u8s, &start(0).number(0, 0).bits(0, 7).number(2, 1 << 32))),
         ("r027-factor", "a factor of 2^64", lone(u8s, &start(0).number(0, u64::MAX).bits(0, 7).number(2, 0))),
         ("r027-grid", "a denominator of 2^32", lone(f32s, &plain(1).number(0, 0).number(6, 0xffff_ffff))),
         ("r027-no-list", "a list of no values", lone(u8s, &plain(4).number(4, 0))),
@@ -333,6 +333,11 @@ fn tile_bodies() -> Vec<Vector> {
         ("r030-cut", "a mask that ends early", mask(&|bytes| bytes.truncate(20))),
         ("r031-count", "5 patches of 4 cells", patches(Bits::default().number(2, 5).bits(0, 32))),
         ("r031-outside", "a patch beyond the tile", patches(Bits::default().number(2, 1).number(8, 4).bits(1, 8))),
+        (
+            "r031-segment",
+            "a patch in the first segment of a cell of the last one",
+            patches(Bits::default().number(2, 1).number(8, 3).bits(1, 8)),
+        ),
         ("r033-short", "symbols of 3 bytes", changed(&|last| last.truncate(last.len() - 1))),
         ("r033-half", "half a refill", changed(&|last| last.push(0))),
         ("r033-left", "a refill that nobody takes", changed(&|last| last.extend([0, 0]))),

@@ -28,6 +28,7 @@ if __name__ == "__main__":
 
         sys.exit(run(pathlib.Path(arguments[1]), describe))
     try:
-        print(json.dumps(describe(pathlib.Path(arguments[0]), *map(int, arguments[1:] or [0])), indent=1, ensure_ascii=False))
+        found = describe(pathlib.Path(arguments[0]), int((arguments + [0])[1]))
+        print(json.dumps(found, indent=1, ensure_ascii=False))
     except ValueError as error:
         sys.exit(f"{arguments[0]}: rejected: {error}")

@@ -102,7 +102,8 @@ def read(data, level=0):
     require(4, crc == crc32c(data[end : -38] + footer[:30]))
     require(5, version == 1 and flags == 0)
     require(6, length == len(data))
-    require(2, data[:4] == b"\x89ORO" and data[4:8] == footer[26:30] and crc32c(data[:8]) == int.from_bytes(data[8:12], "little"))
+    require(2, data[:4] == b"\x89ORO" and data[4:8] == footer[26:30])
+    require(2, crc32c(data[:8]) == int.from_bytes(data[8:12], "little"))
     c, entries, sections = Cursor(data[end:-38], 8), [], {}
     while c.at < directory_length:
         entries.append((c.number(1), c.varint(), c.number(4)))
@@ -133,7 +134,8 @@ def read(data, level=0):
         meta["overview"] = "sound"
         try:
             copies = read_area(sections[3][1], over, area, 0)
-            tops = cells if level >= 6 else read_area(data[12:], lengths, (meta["width"], meta["height"], side, rules), 6)
+            raster = (meta["width"], meta["height"], side, rules)
+            tops = cells if level >= 6 else read_area(data[12:], lengths, raster, 6)
             if any(copy.tobytes() != top.tobytes() for copy, top in zip(copies, tops)):
                 meta["overview"] = "another"
         except ValueError:

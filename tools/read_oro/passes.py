@@ -13,7 +13,7 @@ class TileRule:
     def __init__(self, step, range_bits, serial):
         self.step, self.serial, self.wide = step, serial, range_bits > 31
         length = step.bit_length()
-        self.coarse = max(0, length - 6, range_bits - 40)
+        self.coarse = max(0, length - 6, min(range_bits, 55) - 24)
         self.mantissa = min((1 << 31 + length) // step, U32)
         self.down = 37 + length - self.coarse
 
@@ -42,7 +42,7 @@ class Parameters:
             SEEN.update({"own filters", "two classes"} if count == 2 else {"own filters"})
             self.filters = []
             for _ in range(count):
-                self.filters.append([side.signed(5) for _ in range(taps)])
+                self.filters.append([side.signed(5) + (256 if tap < 4 else 0) for tap in range(taps)])
                 require(32, max(map(abs, self.filters[-1])) <= 8191)
         else:
             SEEN.add("filter of the set")
@@ -62,7 +62,7 @@ def prepare(kind, row, cells, errors, p, rule):
     """Base, class, deviation and expected error of a row, without what serial tiles add."""
     w, near = rule.word, [cells.run(tap, row) for tap in TAPS[kind][:4]]
     a, b, c, d = near
-    base = w(a + b + c + d) >> 2
+    base = w(a + (w(b - a + c - a + d - a) >> 2))
     spread = sum(magnitude(w(x - base)) >> 2 for x in near)
     if kind == C:
         across, along = w(a + d - b - c), magnitude(w(a - d)) + magnitude(w(b - c))
@@ -92,7 +92,7 @@ def residual(table_base, rest, expected, rule, symbols, raw_bits, shift):
     bucket = 4 * o + (e >> o & 3)
     raw = max(bucket - 24, 0) // 4
     if rule.step == 1:
-        kind = min(abs(rest) >> 7, 3)
+        kind = (abs(rest) >> 7) % 4
     else:
         kind = 4 + min(abs(rest) // 184, 2) if rule.step == 3 else 7
     b = bucket if bucket < 28 else 24 + bucket % 4
@@ -133,10 +133,9 @@ def run_pass(kind, cells, errors, voids, p, rule, symbols, raw_bits):
             cell, error = w(base[col] + rounded), nearest[col]
             if voids is None or not voids[row, col]:
                 k = residual(p.shape * 8, rest, wanted, rule, symbols, raw_bits, p.shift)
-                jump = i64(i64(k) * step)
+                jump = w(k * step)
                 cell = w(cell + jump)
-                far = min(abs(w(jump)), 1 << 30)
-                far = -far if jump < 0 else far
+                far = max(-1 << 30, min(jump, 1 << 30))
                 error = min((abs((far << 10) - rest) >> 8) >> coarse, 1 << 20)
             line.append(cell)
             error_line.append(error)

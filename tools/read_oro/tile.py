@@ -24,7 +24,7 @@ class Header:
         require(28, self.meaning in ((GRID, FIXED, ORDERED) if dtype.kind == "f" else (WHOLE, LIST)))
         self.least, self.factor, self.range_bits = side.signed(10), side.number(0) + 1, side.bits(7)
         self.step = 2 * side.number(2) + 1
-        require(27, self.factor < 1 << 64 and self.range_bits <= 64 and self.step < 1 << 62)
+        require(27, self.factor < 1 << 64 and self.range_bits <= 64 and self.step < 1 << 33)
         if self.meaning == GRID:
             self.numerator, self.denominator = side.number(0) + 1, side.number(6) + 1
             require(27, max(self.numerator, self.denominator) < 1 << 32)
@@ -66,13 +66,15 @@ class Header:
             return np.array([table[x] for x in xs.flat]).astype(dtype).reshape(xs.shape)
 
 
-def read_patches(side, dtype, cells):
+def read_patches(side, dtype, width, height, number):
     patches, following = [], 0
     count = side.number(2)
-    require(31, count <= cells)
+    require(31, count <= width * height)
     for _ in range(count):
         index = following + side.number(8)
-        require(31, index < cells)
+        require(31, index < width * height)
+        row, col = divmod(index, width)
+        require(31, (row | col | 8) & -(row | col | 8) == 8 >> number)
         patches.append((index, side.bits(8 * dtype.itemsize).to_bytes(dtype.itemsize, "little")))
         following = index + 1
     return patches
@@ -87,9 +89,11 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
     for number in range(4 - min(level, 3)):
         levels = range(depth - 1, 2, -1) if number == 0 else range(3 - number, min(4 - number, depth))
         if number and not segments[number]:
-            require(25, not levels or not (header.range_bits or header.void or header.patched))
+            require(25, not levels or not (header.range_bits or header.patched))
+        if number and not segments[number] and (voids is None or not levels):
             continue
-        parts = Cursor(segments[number], 25)
+        # An empty segment is one whose parts are all empty.
+        parts = Cursor(segments[number] or b"\0\0", 25)
         part = lambda: parts.take(parts.varint(5))
         side = Bits(part())
         if number == 0:
@@ -102,7 +106,7 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             errors = np.zeros((1, 1), np.int64)
             voids = None if header.void is None else np.array([[header.top]], np.uint8)
         if header.patched:
-            patches += read_patches(side, dtype, width * height)
+            patches += read_patches(side, dtype, width, height, number)
         planes = []
         if voids is not None:
             mask, level_voids = Mask(part()), voids
