@@ -33,7 +33,7 @@ impl TileRule {
     /// The rule of a step and of a range of `range_bits` bits.
     pub(super) fn new(step: i64, range_bits: u32, serial: bool) -> Self {
         let step_bits = 64 - step.leading_zeros();
-        Self { step, coarseness: step_bits.saturating_sub(6).max(range_bits.saturating_sub(24)), serial }
+        Self { step, coarseness: step_bits.saturating_sub(6).max(range_bits.min(55).saturating_sub(24)), serial }
     }
 
     /// Multiplier and shift that turn a weighted sum of errors into 64ths of a step.
