@@ -19,7 +19,10 @@ fn memory_does_not_grow_with_the_file() {
     description.tile_side = 64;
     let tiling = description.tiling();
     let mut writer = Writer::new(std::io::sink(), description.clone()).expect("begins");
-    let mut chunk = encode_chunk(&description, tiling.place(0, 1), &Cells::U8(vec![7; 64 * 64])).expect("encodes");
+    // Noise, so that there is something to write.
+    let noise = |index: u32| (index.wrapping_mul(2_654_435_761) ^ (index << 7)).wrapping_mul(2_246_822_519) >> 24;
+    let cells = Cells::U8((0..64 * 64).map(|index| noise(index) as u8).collect());
+    let mut chunk = encode_chunk(&description, tiling.place(0, 1), &cells).expect("encodes");
     let before = greatest();
     for number in 0..description.chunks() {
         chunk.place = tiling.place(number, 1);
@@ -27,7 +30,7 @@ fn memory_does_not_grow_with_the_file() {
     }
     let (_, summary) = writer.finish().expect("is written");
     let grown = greatest() - before;
-    assert!(summary.bytes > 300 << 20, "{} bytes were written", summary.bytes);
+    assert!(summary.bytes > 200 << 20, "{} bytes were written", summary.bytes);
     // 65,536 chunks: 1 MiB of lengths (2 while they are moved), their index, and the overview.
     assert!(grown < 8 << 20, "{grown} bytes of memory for {} bytes", summary.bytes);
 }

@@ -96,12 +96,14 @@ impl<'a> BitReader<'a> {
         value
     }
 
-    /// Reads what [`BitWriter::put_number`] wrote; a number of more than 64 bits comes back as `u64::MAX`.
+    /// Reads what [`BitWriter::put_number`] wrote; a number of more than 64 bits comes back as `u64::MAX`,
+    /// and [`BitReader::check`] fails.
     pub(super) fn take_number(&mut self, order: u32) -> u64 {
         let mut length = order;
         while self.take(1) == 0 {
             length += 1;
             if length > 64 || self.position > self.bytes.len() + 8 {
+                self.position = self.bytes.len() + 1;
                 return u64::MAX;
             }
         }
@@ -110,7 +112,10 @@ impl<'a> BitReader<'a> {
             _ => self.take(32) | (self.take(length - 32) << 32),
         };
         let shifted = (1u128 << length) + u128::from(rest);
-        u64::try_from(shifted - (1u128 << order)).unwrap_or(u64::MAX)
+        u64::try_from(shifted - (1u128 << order)).unwrap_or_else(|_| {
+            self.position = self.bytes.len() + 1;
+            u64::MAX
+        })
     }
 
     /// Reads what [`BitWriter::put_signed`] wrote.

@@ -95,7 +95,8 @@ impl Bins {
         let bin = bin_of((u64::from(expected) * self.mantissa) >> self.shift);
         let distance = rest.unsigned_abs();
         let class = match self.fine {
-            1 => distance >> 7,
+            // Exactly half counts as nearly half.
+            1 => (distance >> 7).min(3),
             3 => distance / 184,
             _ => 0,
         };
@@ -249,7 +250,7 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
         return (own, own_errors);
     }
     let bins = Bins::new(params, rule);
-    let reach = width + FRAME;
+    let reach = width + 2 * FRAME;
     for row in [-1isize, -2] {
         own.framed_row_mut(row)[..reach].copy_from_slice(&cells.a.framed_row(0)[..reach]);
         own_errors.framed_row_mut(row)[..reach].copy_from_slice(&errors.a.framed_row(0)[..reach]);

@@ -358,6 +358,9 @@ fn take_part<'a>(segment: &mut &'a [u8]) -> Result<&'a [u8]> {
         let (&byte, rest) = segment.split_first().ok_or_else(early)?;
         *segment = rest;
         length |= usize::from(byte & 127) << (7 * place);
+        if byte == 0 && place > 0 {
+            return Err(Error::new(ErrorKind::Corrupt, "the length of a part of a segment has needless bytes"));
+        }
         if byte < 128 {
             let (part, rest) = segment.split_at_checked(length).ok_or_else(early)?;
             *segment = rest;

@@ -92,7 +92,7 @@ def residual(table_base, rest, expected, rule, symbols, raw_bits, shift):
     bucket = 4 * o + (e >> o & 3)
     raw = max(bucket - 24, 0) // 4
     if rule.step == 1:
-        kind = (abs(rest) >> 7) % 4
+        kind = min(abs(rest) >> 7, 3)
     else:
         kind = 4 + min(abs(rest) // 184, 2) if rule.step == 3 else 7
     b = bucket if bucket < 28 else 24 + bucket % 4

@@ -45,7 +45,7 @@ class Known:
         self.planes["H"] = framed(h) if h is not None and h.size else self.planes["A"]
         self.width, self.height = width, height
         own = np.zeros((height + 2 * FRAME, width + 2 * FRAME), a.dtype)
-        own[:FRAME, : width + FRAME] = self.planes["A"][FRAME, : width + FRAME]
+        own[:FRAME] = self.planes["A"][FRAME, : width + 2 * FRAME]
         self.planes["O"] = own
 
     def run(self, tap, row):
