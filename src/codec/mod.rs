@@ -25,6 +25,7 @@ pub mod training;
 mod values;
 mod word;
 
+pub(crate) use binary::{BinaryDecoder, BinaryEncoder};
 pub use cells::Cells;
 pub use tables::TABLE_SET;
 pub use tile::{

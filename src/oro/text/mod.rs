@@ -3,10 +3,10 @@
 //! The model has read the priming text, `format-spec/tables/text-1.txt`, before the first byte of a file: coordinate
 //! reference systems that stand there cost a few bytes, others of their kind some dozens.
 
-mod coder;
 mod model;
 
 use super::description::MAX_TEXT;
+use crate::codec::{BinaryDecoder, BinaryEncoder};
 use crate::error::{Error, ErrorKind, Result};
 use model::Model;
 use std::sync::LazyLock;
@@ -26,6 +26,11 @@ static PRIMED: LazyLock<Model> = LazyLock::new(|| {
     model
 });
 
+/// The model's 4096ths in the coder's 65536ths.
+fn share(probability: u32) -> u16 {
+    (probability << 4) as u16
+}
+
 /// The bits of a byte, highest first.
 fn bits(byte: u8) -> impl Iterator<Item = u32> {
     (0..8).rev().map(move |place| u32::from(byte) >> place & 1)
@@ -37,9 +42,9 @@ pub(super) fn encode(texts: &[&str]) -> Vec<u8> {
         return vec![];
     }
     let mut model = PRIMED.clone();
-    let mut coder = coder::Encoder::new();
+    let mut coder = BinaryEncoder::new();
     for bit in texts.iter().flat_map(|text| text.bytes().chain([0])).flat_map(bits) {
-        coder.put(bit, model.probability());
+        coder.put(bit == 1, share(model.probability()));
         model.push(bit);
     }
     coder.finish()
@@ -49,7 +54,7 @@ pub(super) fn encode(texts: &[&str]) -> Vec<u8> {
 pub(super) struct Decoder<'a> {
     bytes: &'a [u8],
     /// Made when the first text is asked for: most of the cost is here.
-    state: Option<(Model, coder::Decoder<'a>)>,
+    state: Option<(Model, BinaryDecoder<'a>)>,
     length: usize,
 }
 
@@ -60,10 +65,10 @@ impl<'a> Decoder<'a> {
 
     /// The next text.
     pub(super) fn text(&mut self) -> Result<String> {
-        let (model, coder) = self.state.get_or_insert_with(|| (PRIMED.clone(), coder::Decoder::new(self.bytes)));
+        let (model, coder) = self.state.get_or_insert_with(|| (PRIMED.clone(), BinaryDecoder::new(self.bytes)));
         let mut text = vec![];
         loop {
-            let Some(byte) = model.push(coder.get(model.probability())) else { continue };
+            let Some(byte) = model.push(u32::from(coder.get(share(model.probability())))) else { continue };
             if coder.is_beyond() {
                 return Err(corrupt("its texts end early"));
             }
