@@ -102,32 +102,43 @@ class Parameters:
         return self.shape * 8 * BINS + np.clip(rule.bins + self.shift, 0, BINS - 1)
 
 
-def prepare(kind, row, cells, errors, p, rule):
-    """Base, class, deviation and expected error of a row, without what serial passes add."""
-    w, near = rule.word, [cells.run(tap, row) for tap in TAPS[kind][:4]]
-    a, b, c, d = near
-    base = w(a + (w(b - a + c - a + d - a) >> 2))
-    spread = sum(rule.part(w(x - base), 2) for x in near)
-    pairs = (a, d, b, c) if kind == C else near
-    across = w(pairs[0] + pairs[1] - pairs[2] - pairs[3])
-    deviations = []
-    for weights in p.filters:
-        sums = sum(weight * (cells.run(tap, row) - base) for tap, weight in zip(TAPS[kind], weights))
-        deviations.append(w(sums))
-    classes, deviation = np.zeros(len(base), int), deviations[0]
-    if len(p.filters) == 2:
-        along = sum(np.minimum(magnitude(w(x - y)), U32).astype(np.int64) for x, y in (pairs[:2], pairs[2:]))
-        classes = (np.minimum(along, U32) > min(2 * rule.step, U32)).astype(int)
-        deviation = np.where(classes, deviations[1], deviation)
+class Prepared:
+    """Base, class, deviation and expected error of all cells, without what serial passes add."""
 
-    v = p.errors
-    sums = v[8] * min((rule.step << 2) >> rule.coarseness, LIMIT)
-    sums = sums + v[3] * rule.error(spread) + v[4] * rule.error(rule.part(across, 1))
-    for weight, group in zip(v, GROUPS[kind]):
-        sums += weight * sum(errors.run(tap, row) for tap in group)
-    above = [errors.run(("O", -1, col), row) for col in (-1, 0, 1)]
-    sums += v[5] * (above[0] + 2 * above[1] + above[2])
-    return base, classes, deviation, sums
+    def __init__(self, kind, cells, errors, p, rule):
+        w, near = rule.word, [cells.all(tap) for tap in TAPS[kind][:4]]
+        a, b, c, d = near
+        self.base = base = w(a + (w(b - a + c - a + d - a) >> 2))
+        spread = sum(rule.part(w(x - base), 2) for x in near)
+        pairs = (a, d, b, c) if kind == C else near
+        across = w(pairs[0] + pairs[1] - pairs[2] - pairs[3])
+        self.classes = None
+        if len(p.filters) == 2:
+            along = sum(np.minimum(magnitude(w(x - y)), U32).astype(np.int64) for x, y in (pairs[:2], pairs[2:]))
+            self.classes = (np.minimum(along, U32) > min(2 * rule.step, U32)).astype(int)
+        # Taps of the pass's own plane are added row by row.
+        weighted = [(tap, self.choose(weights)) for tap, *weights in zip(TAPS[kind], *p.filters)]
+        self.deviation = sum(weight * (cells.all(tap) - base) for tap, weight in weighted if tap[0] != "O")
+        self.own = [(tap, weight) for tap, weight in weighted if tap[0] == "O"]
+
+        v = p.errors
+        self.expected = v[3] * rule.error(spread) + v[4] * rule.error(rule.part(across, 1))
+        self.expected += v[8] * min((rule.step << 2) >> rule.coarseness, LIMIT)
+        for weight, group in zip(v, GROUPS[kind]):
+            self.expected += weight * sum(errors.all(tap) for tap in group)
+        self.above = v[5]
+
+    def choose(self, weights):
+        """A tap's weight, or that of each cell's class."""
+        return weights[0] if self.classes is None else np.where(self.classes, weights[1], weights[0])
+
+    def row(self, row, cells, errors, rule):
+        base, deviation = self.base[row], self.deviation[row]
+        for tap, weight in self.own:
+            weight = weight if self.classes is None else weight[row]
+            deviation = deviation + weight * (cells.run(tap, row) - base)
+        one, two, three = (errors.run(("O", -1, col), row) for col in (-1, 0, 1))
+        return base, rule.word(deviation), self.expected[row] + self.above * (one + 2 * two + three)
 
 
 def eighths(expected):
@@ -183,7 +194,8 @@ def serial_row(first, first_error, base, classes, deviation, expected, still, p,
     left = left2 = first
     left_error = left2_error = first_error
     line, error_line = [], []
-    for b, c, sums, wanted, at in zip(base.tolist(), classes.tolist(), deviation.tolist(), expected.tolist(), still):
+    rows = (base.tolist(), classes, deviation.tolist(), expected.tolist(), still)
+    for b, c, sums, wanted, at in zip(*rows):
         one, two = tails[c]
         sums = w(sums + one * (left - b) + two * (left2 - b))
         rounded = w(sums + 512) >> 10
@@ -207,11 +219,11 @@ def serial_row(first, first_error, base, classes, deviation, expected, still, p,
 
 def run_pass(kind, cells, errors, voids, copies, p, rule, symbols, raw_bits):
     """Makes the cells and errors of a pass; both know what there is already. Copies are a mask and their cells."""
-    tables = p.tables(rule)
+    tables, prepared = p.tables(rule), Prepared(kind, cells, errors, p, rule)
     for row in range(cells.height):
         cells.begin_row(row)
         errors.begin_row(row)
-        base, classes, deviation, expected = prepare(kind, row, cells, errors, p, rule)
+        base, deviation, expected = prepared.row(row, cells, errors, rule)
         nearest = errors.run(("A", 0, 0), row)
         empty = None if voids is None else voids[row] == 1
         copied = None if copies is None else copies[0][row] == 1
@@ -222,6 +234,7 @@ def run_pass(kind, cells, errors, voids, copies, p, rule, symbols, raw_bits):
             if copied is not None:
                 for col in np.flatnonzero(copied):
                     still[col] = (int(copies[1][row, col]), 0)
+            classes = [0] * cells.width if prepared.classes is None else prepared.classes[row].tolist()
             first = int(cells.run(("A", 0, 0), row)[0])
             line, error_line = serial_row(
                 first, int(nearest[0]), base, classes, deviation, expected, still, p, tables, rule, symbols, raw_bits

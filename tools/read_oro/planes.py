@@ -53,6 +53,11 @@ class Known:
         plane, down, right = tap
         return self.planes[plane][FRAME + row + down, FRAME + right :][: self.width]
 
+    def all(self, tap):
+        """The tap of all cells, of a plane that is whole."""
+        plane, down, right = tap
+        return self.planes[plane][FRAME + down :, FRAME + right :][: self.height, : self.width]
+
     def begin_row(self, row):
         """Sets the cells left of the row."""
         self.planes["O"][FRAME + row, :FRAME] = self.planes["A"][FRAME + row, FRAME]
