@@ -255,6 +255,7 @@ def run_pass(kind, cells, errors, voids, copies, p, rule, symbols, raw_bits):
 def refine(cells, errors, voids, copies, width, height, level, side, rule, symbols, raw_bits):
     """The cells and errors of a level of that size from the next coarser one; voids are those of its planes."""
     made, made_errors = [None] * 3, [None] * 3
+    serial = set()
     for kind in (C, H, V):
         size = plane_size(kind, width, height)
         known = Known(cells, made[C], made[H], *size)
@@ -263,6 +264,12 @@ def refine(cells, errors, voids, copies, width, height, level, side, rule, symbo
             holes = voids and voids[kind]
             told = copies and copies.plane(kind, known, holes)
             p = Parameters(side, kind, level)
+            serial.add(p.serial)
+            SEEN.update({"serial beside not serial"} if len(serial) == 2 else ())
+            if told and told[0].any():
+                SEEN.update({"copies", "copies in a serial pass"} if p.serial else {"copies"})
+                SEEN.update({"copies in 64-bit words"} if rule.wide else ())
+                SEEN.update({"copies beside voids"} if holes is not None and holes.any() else ())
             run_pass(kind, known, known_errors, holes, told, p, rule, symbols, raw_bits)
         made[kind], made_errors[kind] = known.own(), known_errors.own()
     return join(cells, *made), join(errors, *made_errors)

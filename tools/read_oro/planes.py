@@ -147,7 +147,6 @@ class Copies(Chances):
                 left = self.bit(self.copy[kind], 4 * alike + 2 * above[col] + left)
                 above[col] = left
                 if left:
-                    SEEN.add("copies")
                     k = 0
                     while k < len(values) - 1 and not self.bit(self.which[alike], k):
                         k += 1

@@ -82,6 +82,7 @@ class Symbols:
         self.state = np.frombuffer(data[: 4 * lanes], "<u4").tolist()
         self.refills = np.frombuffer(data[4 * lanes :], "<u2").tolist()
         self.taken = self.lane = 0
+        self.any = False
 
     def symbol(self, table):
         return self.row((table,))[0]
@@ -107,7 +108,9 @@ class Symbols:
                 lane = 0
             found.append(s)
         self.taken, self.lane = taken, lane
+        self.any |= bool(found)
         return found
 
     def finish(self):
         require(33, self.taken == len(self.refills) and all(x == 65536 for x in self.state))
+        SEEN.update({"no symbols"} if self.state and not self.any else ())
