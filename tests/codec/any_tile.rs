@@ -123,3 +123,27 @@ fn large_tiles_come_back() {
         tile((SampleType::I16, Ground::Rough), shape, (Nodata::Usual, 8), bound, 5).assert_holds();
     }
 }
+
+/// Cells that repeat others, among voids and without, in words of 32 and of 64 bits, in serial passes and others.
+#[test]
+fn copies_come_back() {
+    let mut bytes = [0; 2];
+    for (number, sample) in [SampleType::F32, SampleType::F64, SampleType::I32, SampleType::U32].into_iter().enumerate()
+    {
+        for shape in [(150, 97), (97, 150), (40, 33), (1, 300), (300, 2)] {
+            let shape = TileShape { width: shape.0, height: shape.1 };
+            for (voids, bound) in [(0, 0.0), (1, 0.0), (8, 0.0), (15, 0.0), (1, 0.4), (1, 1e-9)] {
+                let seed = (number * 100 + shape.width) as u64;
+                let nodata = if voids % 2 == 0 { Nodata::None } else { Nodata::Usual };
+                tile((sample, Ground::Resampled), shape, (nodata, voids), bound, seed).assert_holds();
+            }
+        }
+        let shape = TileShape { width: 200, height: 200 };
+        for (bytes, ground) in bytes.iter_mut().zip([Ground::Resampled, Ground::Rough]) {
+            *bytes =
+                tile((SampleType::F32, ground), shape, (Nodata::None, 0), 0.0, number as u64).assert_holds().bytes();
+        }
+        let [copied, other] = bytes;
+        assert!(copied * 3 < other * 2, "{copied} bytes with copies, {other} without");
+    }
+}

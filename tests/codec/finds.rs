@@ -2,7 +2,7 @@
 
 use crate::ground::Ground;
 use crate::promise::Tile;
-use orograph::codec::{BandRule, Bound, Cells, TileShape, decode_tile};
+use orograph::codec::{BandRule, Bound, Cells, TileShape, decode_tile, encode_tile};
 use orograph::error::ErrorKind;
 use orograph::grid::SampleType;
 
@@ -73,5 +73,38 @@ fn one_low_cell_among_high_ones() {
     let before = bytes(&cells);
     cells[2000] = 0;
     let after = bytes(&cells);
-    assert!(after < before * 3, "{before} bytes became {after}");
+    assert!(after < before * 3 / 2, "{before} bytes became {after}");
+}
+
+/// A tile of one value was taken whatever followed its side bits, and a segment for which there is no level.
+#[test]
+fn bytes_that_say_nothing() {
+    let rule = rule(SampleType::U8);
+    let shape = TileShape { width: 2, height: 2 };
+    let tile = encode_tile(&Cells::U8(vec![7; 4]), shape, &rule).expect("encodes");
+    let sound = &tile.segments[0][..];
+    let decode = |first: &[u8], second: &[u8]| decode_tile(&[first, second, &[], &[]], shape, &rule, 0);
+    assert_eq!(decode(sound, &[]).expect("is sound"), Cells::U8(vec![7; 4]));
+    let (length, side) = sound.split_first().expect("a part");
+    let longer = [&[length + 1], side, &[0]].concat();
+    let mut filled = sound.to_vec();
+    filled[sound.len() - 1] |= 0x80;
+    for (first, second) in [(&longer[..], &[][..]), (&filled, &[]), (sound, &[0])] {
+        assert_eq!(decode(first, second).expect_err("is refused").kind(), ErrorKind::Corrupt, "{first:?} {second:?}");
+    }
+}
+
+/// A coarse level was taken for right although bytes for it were missing, when its segment held finer levels too.
+#[test]
+fn a_coarse_level_whose_bytes_are_missing() {
+    let shape = TileShape { width: 64, height: 64 };
+    let rule = rule(SampleType::U32);
+    let cells = Ground::Bits.cells(SampleType::U32, shape, 3);
+    let tile = encode_tile(&cells, shape, &rule).expect("encodes");
+    // No raw bits, no side bits for passes: only what stands before them, and one state.
+    let (&length, rest) = tile.segments[0].split_first().expect("a part");
+    let side = &rest[..usize::from(length)];
+    let head = [&[length], side, &[0], &[0, 0, 1, 0]].concat();
+    assert_eq!(decode_tile(&[&head], shape, &rule, 4).expect_err("is refused").kind(), ErrorKind::Corrupt);
+    assert!(decode_tile(&[&tile.segments[0]], shape, &rule, 4).is_ok());
 }

@@ -46,10 +46,12 @@ pub enum Ground {
     Specials,
     /// Hills of a millionth (of 1e-300 in doubles) and hills of a million (1e300).
     Scales,
+    /// Hills in millionths, resampled to the nearest: cells that repeat their neighbours to the last bit.
+    Resampled,
 }
 
 /// All kinds of ground.
-pub const GROUNDS: [Ground; 14] = [
+pub const GROUNDS: [Ground; 15] = [
     Ground::Bits,
     Ground::Noise,
     Ground::Smooth,
@@ -64,6 +66,7 @@ pub const GROUNDS: [Ground; 14] = [
     Ground::Grid,
     Ground::Specials,
     Ground::Scales,
+    Ground::Resampled,
 ];
 
 /// Numbers that look random and are the same each time.
@@ -113,7 +116,8 @@ impl Ground {
             let (col, row) = (index % shape.width, index / shape.width);
             let random = random.next().unwrap_or(0);
             let is_float = matches!(sample, SampleType::F32 | SampleType::F64);
-            let hills = hills(col, row, seed);
+            let hills_at = |col, row| hills(col, row, seed);
+            let hills = hills_at(col, row);
             match self {
                 Self::Bits | Self::Noise => share(random) * 60.0 - 20.0,
                 Self::Smooth => hills,
@@ -148,6 +152,13 @@ impl Ground {
                     _ => hills,
                 },
                 Self::Scales if sample == SampleType::F64 => hills * if col > row { 1e-300 } else { 1e300 },
+                Self::Resampled => {
+                    let near = |place: usize| place * 5 / 8 + seed as usize % 7;
+                    let hills = hills_at(near(col), near(row));
+                    // Every eighth row has cells of its own.
+                    let own = if row % 8 == 5 { share(random) } else { 0.0 };
+                    (hills + own) * if is_float { 1.0 } else { 1e6 }
+                }
                 Self::Scales => hills * if col > row { 1e-6 } else { 1e6 },
             }
         };
