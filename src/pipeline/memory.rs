@@ -8,6 +8,9 @@ const TREE_BYTES_PER_CELL: u64 = 6;
 /// Bytes a pixel that a map takes while it is drawn.
 const MAP_BYTES_PER_PIXEL: u64 = 112;
 
+/// Bytes a cell that encoding or decoding a tile of an archive takes while it is worked on.
+pub const CODEC_BYTES_PER_CELL: u64 = 80;
+
 /// Bytes that a job takes whatever the raster.
 const FIXED_BYTES: u64 = 96 << 20;
 
