@@ -462,3 +462,33 @@ fn other_formats() {
         assert_eq!(facts(&inside(&dir, "a.png")).bands[0].bits, facts(&inside(&dir, "u16.tif")).bands[0].bits);
     }
 }
+
+#[test]
+fn formats_that_lose() {
+    let dir = folder();
+    let oro = inside(&dir, "a.oro");
+    Raster::new((90, 80), vec![cells(90, 80, |v| (v * 250.0) as u8)]).write(&inside(&dir, "u8.tif"));
+    Run::done(&["encode", &inside(&dir, "u8.tif"), &oro]);
+    let words = "does not keep these cells: ";
+    let said = |name: &str, options: &[&str]| {
+        let out = inside(&dir, name);
+        let run = Run::done(&[&["decode", &oro, &out, "--overwrite"], options].concat());
+        run.stderr()
+    };
+    let is_there = |name: &str| DriverManager::get_driver_by_name(name).is_ok();
+    if is_there("JPEG") {
+        assert!(said("a.jpg", &[]).contains(&format!("the format JPEG {words}")), "JPEG");
+        assert!(said("a.tif", &["--co", "COMPRESS=JPEG"]).contains(words), "GeoTIFF with JPEG");
+    }
+    if is_there("JP2OpenJPEG") {
+        assert!(said("a.jp2", &[]).contains(words), "JPEG 2000");
+        assert_eq!(said("a.jp2", &["--co", "QUALITY=100", "--co", "REVERSIBLE=YES"]), "", "JPEG 2000, reversible");
+    }
+    for name in ["a.tif", "a.png", "a.img", "a.asc"] {
+        assert!(!said(name, &[]).contains(words), "{name}");
+    }
+    // A type that the format turns into another unasked.
+    Raster::new((90, 80), vec![cells(90, 80, |v| v * 1000.0)]).write(&inside(&dir, "f64.tif"));
+    Run::done(&["encode", &inside(&dir, "f64.tif"), &oro, "--overwrite", "--lossless"]);
+    assert!(said("a.xyz", &[]).contains(words), "numbers as short texts");
+}

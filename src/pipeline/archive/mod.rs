@@ -4,6 +4,7 @@
 //! read, or the last one written. What they write does not depend on threads or memory.
 
 mod batch;
+mod compare;
 mod container;
 pub mod decode;
 mod dem;
