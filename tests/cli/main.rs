@@ -5,6 +5,7 @@
 mod archive;
 mod archive_failures;
 mod archive_info;
+mod archive_maps;
 mod examples;
 mod failures;
 mod interrupt;

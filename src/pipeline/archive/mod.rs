@@ -16,6 +16,6 @@ mod stream;
 pub mod verify;
 
 pub use container::{ContainerOptions, ContainerSource, is_container};
-pub use dem::open_dem;
+pub use dem::{open_dem, open_dem_coarse};
 pub use promise::Promise;
 pub use stream::Target;
