@@ -78,7 +78,10 @@ impl<'a, W: Word> Task<'a, W> {
         (params.shape, params.shift) = (shape, shift);
         let mut side = BitWriter::default();
         params.write(&mut side, self.pass, self.level);
-        Coded { cost: cost + ((side.bits() as u64) << 8), params, taken, cells, errors }
+        // A sample stands for all rows, of which the parameters are written once.
+        let rows: usize = bands.iter().map(Range::len).sum();
+        let cost = (u128::from(cost) * size.1 as u128 / rows as u128) as u64 + ((side.bits() as u64) << 8);
+        Coded { cost, params, taken, cells, errors }
     }
 
     /// Filters for the passes of both kinds, or without serial ones: the best shipped ones, or fitted ones where they pay
