@@ -13,6 +13,7 @@ mod input;
 mod promise;
 mod record;
 mod stream;
+mod tile_side;
 pub mod verify;
 
 pub use container::{ContainerOptions, ContainerSource, is_container};
