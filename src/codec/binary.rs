@@ -9,6 +9,13 @@ fn split(low: u32, high: u32, probability: u16) -> u32 {
     low + ((u64::from(high - low) * u64::from(probability)) >> 16) as u32
 }
 
+/// The number in an interval that needs the fewest first bytes when zeros follow, and how many these are.
+fn shortest(low: u32, high: u32) -> (u32, usize) {
+    let first = |count: u32| high & u32::MAX.checked_shl(32 - 8 * count).unwrap_or(0);
+    let count = (0..4).find(|&count| first(count) >= low).unwrap_or(4);
+    (first(count), count as usize)
+}
+
 /// Turns bits into bytes.
 #[derive(Clone, Debug)]
 pub(crate) struct BinaryEncoder {
@@ -40,14 +47,8 @@ impl BinaryEncoder {
 
     /// The bytes, with as few at the end as name a number in the interval when zeros follow.
     pub(crate) fn finish(mut self) -> Vec<u8> {
-        for count in 0..=4 {
-            let mask = u32::MAX.checked_shl(32 - 8 * count).unwrap_or(0);
-            let number = self.high & mask;
-            if number >= self.low {
-                self.bytes.extend(&number.to_be_bytes()[..count as usize]);
-                break;
-            }
-        }
+        let (number, count) = shortest(self.low, self.high);
+        self.bytes.extend(&number.to_be_bytes()[..count]);
         self.bytes
     }
 }
@@ -98,9 +99,10 @@ impl<'a> BinaryDecoder<'a> {
         self.taken > self.bytes.len() + 4
     }
 
-    /// Whether all bytes were needed.
+    /// Whether the bytes are those that an encoder would have written of the same bits.
     pub(crate) fn is_done(&self) -> bool {
-        self.taken >= self.bytes.len()
+        let (number, count) = shortest(self.low, self.high);
+        self.number == number && self.bytes.len() == self.taken - 4 + count
     }
 }
 

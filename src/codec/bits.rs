@@ -84,16 +84,29 @@ impl<'a> BitReader<'a> {
     /// Reads `width` bits; at most 32.
     #[inline]
     pub(super) fn take(&mut self, width: u32) -> u64 {
+        if self.count < width {
+            self.refill(width);
+        }
+        let value = self.pending & ((1 << width) - 1);
+        self.pending >>= width;
+        self.count -= width;
+        value
+    }
+
+    /// Makes at least `width` bits ready.
+    #[inline]
+    fn refill(&mut self, width: u32) {
+        if let Some(next) = self.bytes.get(self.position..).and_then(|bytes| bytes.first_chunk()) {
+            self.pending |= u64::from(u32::from_le_bytes(*next)) << self.count;
+            self.position += 4;
+            self.count += 32;
+        }
         while self.count < width {
             let byte = self.bytes.get(self.position).copied().unwrap_or(0);
             self.position += 1;
             self.pending |= u64::from(byte) << self.count;
             self.count += 8;
         }
-        let value = self.pending & ((1 << width) - 1);
-        self.pending >>= width;
-        self.count -= width;
-        value
     }
 
     /// Reads what [`BitWriter::put_number`] wrote; a number of more than 64 bits comes back as `u64::MAX`,
@@ -128,6 +141,15 @@ impl<'a> BitReader<'a> {
         match self.position <= self.bytes.len() {
             true => Ok(()),
             false => Err(Error::new(ErrorKind::Corrupt, "the tile's bits end early")),
+        }
+    }
+
+    /// Fails unless all was read but for the zeros that fill the last byte up.
+    pub(super) fn finish(&self) -> Result<()> {
+        self.check()?;
+        match self.bytes.len() == self.position && self.count < 8 && self.pending == 0 {
+            true => Ok(()),
+            false => Err(Error::new(ErrorKind::Corrupt, "the tile's bits go on after their end")),
         }
     }
 }

@@ -56,6 +56,13 @@ impl Cells {
         }
     }
 
+    /// No cells, with room for so many.
+    pub(super) fn with_capacity(sample: SampleType, count: usize) -> Self {
+        let mut cells = Self::zeros(sample, 0);
+        with_cells!(&mut cells, values => values.reserve_exact(count));
+        cells
+    }
+
     /// The cells' type.
     pub fn sample(&self) -> SampleType {
         match self {

@@ -8,13 +8,23 @@ use super::taps::{Known, MAX_TAPS, Pass, SERIAL_TAPS};
 use super::word::Word;
 
 /// Cells that a fit looks at, about.
-const SAMPLES: usize = 9000;
+const SAMPLES: usize = 6000;
 /// Samples whose products are summed in single precision.
 const BLOCK: usize = 64;
 
+/// Taps of a sample, filled up to whole vectors.
+const ROW: usize = MAX_TAPS.next_multiple_of(8);
+
+/// The weighted normal equations; of the matrix the lower triangle.
+struct Sums {
+    matrix: [[f64; MAX_TAPS]; MAX_TAPS],
+    right: [f64; MAX_TAPS],
+    weight: f64,
+}
+
 /// One cell to learn from: its taps less their base, and the cell itself less it.
 struct Sample {
-    taps: [f32; MAX_TAPS],
+    taps: [f32; ROW],
     target: f32,
     /// Expected spread of the target, squared and inverted.
     weight: f32,
@@ -25,6 +35,8 @@ struct Sample {
 pub(super) struct Samples {
     samples: Vec<Sample>,
     taps: usize,
+    /// Taps without the serial ones.
+    plain_taps: usize,
     /// Variance of the quantiser's noise.
     noise: f64,
     own: [bool; MAX_TAPS],
@@ -64,7 +76,7 @@ impl Samples {
                 let above = |k: usize| near[k].wrapping_sub(near[0]);
                 let base = near[0].wrapping_add(above(1).wrapping_add(above(2)).wrapping_add(above(3)) >> 2);
                 let relative = |value: W| value.wide().wrapping_sub(base) as f32;
-                let mut sample = Sample { taps: [0.0; MAX_TAPS], target: relative(line[col]), weight: 0.0, class: 0 };
+                let mut sample = Sample { taps: [0.0; ROW], target: relative(line[col]), weight: 0.0, class: 0 };
                 for (tap, run) in sample.taps.iter_mut().zip(&runs) {
                     *tap = relative(run[col]);
                 }
@@ -90,7 +102,7 @@ impl Samples {
         }
         own[pass.taps().len()..].fill(true);
         let step = step as f64;
-        Self { samples, taps, noise: (step * step - 1.0) / 12.0, own }
+        Self { samples, taps, plain_taps: pass.taps().len(), noise: (step * step - 1.0) / 12.0, own }
     }
 
     /// Number of samples.
@@ -103,92 +115,131 @@ impl Samples {
         self.samples.iter().filter(|sample| sample.class == 1).count()
     }
 
-    /// The best filter for all samples or for those of a class; `None` with too few samples.
-    pub(super) fn filter(&self, class: Option<u8>) -> Option<[i32; MAX_TAPS]> {
+    /// The best filters for all samples or for those of a class, without and with the serial taps; `None` with too few
+    /// samples. The second is the first where the samples have no serial taps.
+    pub(super) fn filters(&self, class: Option<u8>) -> Option<[[i32; MAX_TAPS]; 2]> {
         let count = self.samples.iter().filter(|sample| class.is_none_or(|class| sample.class == class)).count();
         if count < 8 * self.taps {
             return None;
         }
-        let mut solution = [0.0f64; MAX_TAPS];
+        let (mut solutions, mut filter) = ([[0.0f64; MAX_TAPS]; 2], None);
         for round in 0..2 {
-            let filter = solution.map(|weight| weight as f32);
-            let mut matrix = [[0.0f64; MAX_TAPS]; MAX_TAPS];
-            let mut right = [0.0f64; MAX_TAPS];
-            let mut sum = 0.0;
-            for block in self.samples.chunks(BLOCK) {
-                // Sums of few terms in single precision, which vectorise well; sums of those in double.
-                let mut products = [[0.0f32; MAX_TAPS]; MAX_TAPS];
-                let mut with_target = [0.0f32; MAX_TAPS];
-                for sample in block {
-                    if class.is_some_and(|class| sample.class != class) {
-                        continue;
-                    }
-                    let mut weight = sample.weight;
-                    if round > 0 {
-                        // Towards least absolute errors, which are what bits are spent on.
-                        let scale = 1.0 / weight.sqrt();
-                        weight = 1.0 / (scale * (miss(sample, &filter).abs() + 0.5 * scale));
-                    }
-                    sum += f64::from(weight);
-                    for (k, row) in products[..self.taps].iter_mut().enumerate() {
-                        let weighted = weight * sample.taps[k];
-                        with_target[k] += weighted * sample.target;
-                        for (cell, &tap) in row.iter_mut().zip(&sample.taps) {
-                            *cell += weighted * tap;
-                        }
-                    }
-                }
-                for k in 0..self.taps {
-                    right[k] += f64::from(with_target[k]);
-                    for (cell, &product) in matrix[k][..=k].iter_mut().zip(&products[k]) {
-                        *cell += f64::from(product);
-                    }
-                }
-            }
-            let trace: f64 = (0..self.taps).map(|k| matrix[k][k]).sum::<f64>() / self.taps as f64;
-            for (k, row) in matrix.iter_mut().enumerate().take(self.taps) {
+            let mut sums = super::vectors::widest(
+                #[inline(always)]
+                || self.sums(class, filter.as_ref()),
+            );
+            let trace: f64 = (0..self.taps).map(|k| sums.matrix[k][k]).sum::<f64>() / self.taps as f64;
+            for (k, row) in sums.matrix.iter_mut().enumerate().take(self.taps) {
                 row[k] += 1e-5 * trace + 1e-9;
                 if self.own[k] {
                     // The decoder sees these cells with the quantiser's noise; here they have none.
-                    row[k] += self.noise * sum;
+                    row[k] += self.noise * sums.weight;
                 }
             }
-            solution = solve(&mut matrix, &right, self.taps);
+            // The serial taps are the last ones: without them it is a smaller system of the same sums.
+            if round == 1 && self.taps > self.plain_taps {
+                solutions[0] = solve(&mut sums.matrix.clone(), &sums.right, self.plain_taps);
+            }
+            solutions[1] = solve(&mut sums.matrix, &sums.right, self.taps);
+            filter = Some(std::array::from_fn(|k| solutions[1].get(k).map_or(0.0, |&weight| weight as f32)));
         }
-        // What is added to all four nearest cells alike changes nothing but the rounding of their mean, which is
-        // exact with a quarter each.
-        let shared = solution[..4].iter().sum::<f64>() / 4.0 - 0.25;
-        solution[..4].iter_mut().for_each(|weight| *weight -= shared);
-        let one = f64::from(1 << FRACTION);
-        let limit = f64::from(WEIGHT_LIMIT);
-        Some(solution.map(|weight| (weight * one).round().clamp(-limit, limit) as i32))
+        if self.taps == self.plain_taps {
+            solutions[0] = solutions[1];
+        }
+        Some(solutions.map(|mut solution| {
+            // What is added to all four nearest cells alike changes nothing but the rounding of their mean, which is
+            // exact with a quarter each.
+            let shared = solution[..4].iter().sum::<f64>() / 4.0 - 0.25;
+            solution[..4].iter_mut().for_each(|weight| *weight -= shared);
+            let one = f64::from(1 << FRACTION);
+            let limit = f64::from(WEIGHT_LIMIT);
+            solution.map(|weight| (weight * one).round().clamp(-limit, limit) as i32)
+        }))
+    }
+
+    /// The normal equations of the samples, or of those of a class, weighted; anew towards least absolute errors where
+    /// a filter's misses are known.
+    #[inline(always)]
+    fn sums(&self, class: Option<u8>, filter: Option<&[f32; ROW]>) -> Sums {
+        let mut sums = Sums { matrix: [[0.0; MAX_TAPS]; MAX_TAPS], right: [0.0; MAX_TAPS], weight: 0.0 };
+        for block in self.samples.chunks(BLOCK) {
+            // Sums of few terms in single precision, which vectorise well; sums of those in double.
+            let mut products = [[0.0f32; ROW]; MAX_TAPS];
+            let mut with_target = [0.0f32; ROW];
+            for sample in block {
+                if class.is_some_and(|class| sample.class != class) {
+                    continue;
+                }
+                let mut weight = sample.weight;
+                if let Some(filter) = filter {
+                    // Towards least absolute errors, which are what bits are spent on.
+                    let scale = 1.0 / weight.sqrt();
+                    weight = 1.0 / (scale * (miss(sample, filter).abs() + 0.5 * scale));
+                }
+                sums.weight += f64::from(weight);
+                let weighted = sample.taps.map(|tap| tap * weight);
+                for (cell, &weighted) in with_target.iter_mut().zip(&weighted) {
+                    *cell += weighted * sample.target;
+                }
+                // The lower triangle, in whole vectors.
+                for (k, row) in products[..self.taps].iter_mut().enumerate() {
+                    let (row, taps) = (row.as_chunks_mut::<8>().0, sample.taps.as_chunks::<8>().0);
+                    for (cells, taps) in row[..=k / 8].iter_mut().zip(taps) {
+                        for (cell, &tap) in cells.iter_mut().zip(taps) {
+                            *cell += weighted[k] * tap;
+                        }
+                    }
+                }
+            }
+            for k in 0..self.taps {
+                sums.right[k] += f64::from(with_target[k]);
+                for (cell, &product) in sums.matrix[k][..=k].iter_mut().zip(&products[k]) {
+                    *cell += f64::from(product);
+                }
+            }
+        }
+        sums
     }
 
     /// Mean of the squared-off logarithms of what filters miss by: about the bits a cell takes, up to a constant.
     pub(super) fn bits(&self, filters: [&[i32; MAX_TAPS]; 2], step: i64) -> f64 {
-        let scaled = filters.map(|filter| filter.map(|weight| weight as f32 / (1 << FRACTION) as f32));
+        let scaled = filters.map(scaled);
         let unit = 0.3 * step as f32;
-        let mut bits = 0.0;
-        for sample in self.samples.iter().step_by(2) {
-            let miss = miss(sample, &scaled[usize::from(sample.class)]).abs();
-            // The spread's part is what the contexts know already.
-            bits += f64::from(log2(miss * miss + unit * unit)) * 0.5;
-        }
-        bits / self.samples.len().div_ceil(2).max(1) as f64
+        super::vectors::widest(
+            #[inline(always)]
+            || {
+                let mut bits = 0.0;
+                for sample in self.samples.iter().step_by(2) {
+                    let miss = miss(sample, &scaled[usize::from(sample.class)]).abs();
+                    // The spread's part is what the contexts know already.
+                    bits += f64::from(log2(miss * miss + unit * unit)) * 0.5;
+                }
+                bits / self.samples.len().div_ceil(2).max(1) as f64
+            },
+        )
     }
+}
+
+/// A filter's weights as numbers.
+fn scaled(filter: &[i32; MAX_TAPS]) -> [f32; ROW] {
+    std::array::from_fn(|k| filter.get(k).map_or(0.0, |&weight| weight as f32 / (1 << FRACTION) as f32))
 }
 
 /// By how much a filter misses a sample's target. Taps that a pass has not are 0.
-fn miss(sample: &Sample, filter: &[f32; MAX_TAPS]) -> f32 {
-    let mut sums = [0.0f32; 2];
-    for (tap, weight) in sample.taps.as_chunks::<2>().0.iter().zip(filter.as_chunks::<2>().0) {
-        sums[0] += tap[0] * weight[0];
-        sums[1] += tap[1] * weight[1];
+#[inline(always)]
+fn miss(sample: &Sample, filter: &[f32; ROW]) -> f32 {
+    let mut sums = [0.0f32; 8];
+    for (taps, weights) in sample.taps.as_chunks::<8>().0.iter().zip(filter.as_chunks::<8>().0) {
+        for ((sum, tap), weight) in sums.iter_mut().zip(taps).zip(weights) {
+            *sum += tap * weight;
+        }
     }
-    sample.target - (sums[0] + sums[1])
+    let [a, b, c, d, e, f, g, h] = sums;
+    sample.target - ((a + e) + (b + f) + ((c + g) + (d + h)))
 }
 
 /// Logarithm to base 2 from the bits of a float: the same on every machine, within 0.01.
+#[inline(always)]
 fn log2(value: f32) -> f32 {
     let bits = value.to_bits();
     let exponent = (bits >> 23) as f32 - 127.0;
@@ -240,21 +291,11 @@ impl ErrorFit {
             return None;
         }
         let mut weights: [f64; ERROR_WEIGHTS] = start.weights.map(|weight| f64::from(weight) / 1024.0);
-        for _ in 0..3 {
-            let mut matrix = [[0.0f64; ERROR_WEIGHTS]; ERROR_WEIGHTS];
-            let mut right = [0.0f64; ERROR_WEIGHTS];
-            for (parts, error) in &self.rows {
-                let parts = parts.map(f64::from);
-                let expected: f64 = (0..ERROR_WEIGHTS).map(|k| weights[k] * parts[k]).sum();
-                let expected = expected.max(0.1 * parts[ERROR_WEIGHTS - 1]).max(1e-3);
-                let weight = 1.0 / (expected * expected.sqrt());
-                for k in 0..ERROR_WEIGHTS {
-                    right[k] += weight * parts[k] * f64::from(*error);
-                    for l in 0..ERROR_WEIGHTS {
-                        matrix[k][l] += weight * parts[k] * parts[l];
-                    }
-                }
-            }
+        for _ in 0..2 {
+            let (matrix, right) = super::vectors::widest(
+                #[inline(always)]
+                || self.sums(&weights),
+            );
             for _ in 0..60 {
                 for k in 0..ERROR_WEIGHTS {
                     if matrix[k][k] <= 0.0 {
@@ -275,6 +316,36 @@ impl ErrorFit {
         Some(weights.map(|weight| code_of(weight * 1024.0)))
     }
 }
+
+impl ErrorFit {
+    /// The normal equations, weighted by what the given weights expect.
+    #[inline(always)]
+    fn sums(&self, weights: &[f64; ERROR_WEIGHTS]) -> ([[f64; ERROR_WEIGHTS]; ERROR_WEIGHTS], [f64; ERROR_WEIGHTS]) {
+        // Filled up to whole vectors.
+        let mut matrix = [[0.0f64; ERROR_ROW]; ERROR_WEIGHTS];
+        let mut right = [0.0f64; ERROR_WEIGHTS];
+        for (parts, error) in &self.rows {
+            let mut row = [0.0f64; ERROR_ROW];
+            for (cell, &part) in row.iter_mut().zip(parts) {
+                *cell = f64::from(part);
+            }
+            let expected: f64 = (0..ERROR_WEIGHTS).map(|k| weights[k] * row[k]).sum();
+            let expected = expected.max(0.1 * row[ERROR_WEIGHTS - 1]).max(1e-3);
+            let weight = 1.0 / (expected * expected.sqrt());
+            for k in 0..ERROR_WEIGHTS {
+                let weighted = weight * row[k];
+                right[k] += weighted * f64::from(*error);
+                for (sum, part) in matrix[k].iter_mut().zip(&row) {
+                    *sum += weighted * part;
+                }
+            }
+        }
+        (std::array::from_fn(|k| std::array::from_fn(|l| matrix[k][l])), right)
+    }
+}
+
+/// Error weights, filled up to whole vectors.
+const ERROR_ROW: usize = ERROR_WEIGHTS.next_multiple_of(4);
 
 /// The code whose weight is nearest.
 fn code_of(weight: f64) -> u8 {

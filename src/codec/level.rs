@@ -1,16 +1,20 @@
 //! Levels of a tile: from one cell to all of them, each level from the coarser one in three passes.
 
+use super::binary::BinaryDecoder;
 use super::bits::{BitReader, BitWriter};
+use super::context::{Ask, Asks, TileRule};
+use super::copies::{Contexts, Still, code_copies};
 use super::mask::VoidLevel;
 use super::params::PassParams;
-use super::pass::{Ask, Residuals, TileRule, run_pass};
+use super::pass::{Planned, Residuals, run_pass};
 use super::plane::Plane;
 use super::rans::Decoder;
+use super::restore::Restored;
 use super::tables::{CENTRE, ESCAPE, TableSet, table_set};
 use super::taps::{Known, PASSES, Pass};
 use super::tile::TileShape;
 use super::word::Word;
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
 
 /// Number of levels of a tile above the finest: so many that the coarsest has one cell.
 pub(super) fn levels(shape: TileShape) -> u8 {
@@ -22,7 +26,7 @@ pub(super) fn levels(shape: TileShape) -> u8 {
 #[derive(Clone, Debug)]
 pub(super) struct Level<W> {
     pub(super) cells: Plane<W>,
-    pub(super) errors: Plane<u32>,
+    pub(super) errors: Plane<u16>,
 }
 
 impl<W: Word> Level<W> {
@@ -30,42 +34,36 @@ impl<W: Word> Level<W> {
     pub(super) fn seed(cell: W) -> Self {
         Self { cells: Plane::framed(&[cell], 1), errors: Plane::framed(&[0], 1) }
     }
-
-    /// The cells, row by row.
-    pub(super) fn flat(&self) -> Vec<W> {
-        (0..self.cells.height).flat_map(|row| self.cells.row(row).iter().copied()).collect()
-    }
 }
 
 /// What the three passes of a level made, beside the coarser level that they began with.
 pub(super) struct Refined<'a, W> {
     coarser: &'a Level<W>,
     cells: [Plane<W>; 3],
-    errors: [Plane<u32>; 3],
+    errors: [Plane<u16>; 3],
 }
 
 impl<W: Word> Refined<'_, W> {
     /// The level as the start of a finer one.
     pub(super) fn level(&self) -> Level<W> {
-        let [c, h, v] = &self.errors;
-        let width = self.coarser.cells.width + self.cells[1].width;
+        let ([c, h, v], [c_errors, h_errors, v_errors]) = (&self.cells, &self.errors);
         Level {
-            cells: Plane::framed(&self.flat(), width),
-            errors: Plane::framed(&Plane::merged([&self.coarser.errors, c, h, v]), width),
+            cells: Plane::woven([&self.coarser.cells, c, h, v]),
+            errors: Plane::woven([&self.coarser.errors, c_errors, h_errors, v_errors]),
         }
     }
 
     /// The cells, row by row.
-    pub(super) fn flat(&self) -> Vec<W> {
+    pub(super) fn rows(&self, take: impl FnMut(&[W])) {
         let [c, h, v] = &self.cells;
-        Plane::merged([&self.coarser.cells, c, h, v])
+        Plane::woven_rows([&self.coarser.cells, c, h, v], take);
     }
 }
 
 /// Runs the three passes of a level; `run` gets each pass with what is known.
 pub(super) fn refine<W: Word>(
     coarser: &Level<W>,
-    mut run: impl FnMut(Pass, Known<'_, W>, Known<'_, u32>) -> Result<(Plane<W>, Plane<u32>)>,
+    mut run: impl FnMut(Pass, Known<'_, W>, Known<'_, u16>) -> Result<(Plane<W>, Plane<u16>)>,
 ) -> Result<Refined<'_, W>> {
     let mut refined = Refined { coarser, cells: Default::default(), errors: Default::default() };
     for (index, pass) in PASSES.into_iter().enumerate() {
@@ -88,20 +86,88 @@ struct Reading<'a> {
     set: &'static TableSet,
     symbols: Decoder<'a>,
     raw: BitReader<'a>,
+    /// Work rows: how residuals are stored, and their symbols.
+    asks: Vec<Ask>,
+    row: Vec<u8>,
+}
+
+impl Reading<'_> {
+    /// Fails unless all of the segment was used.
+    fn finish(self, side: &BitReader<'_>, copies: Option<(BinaryDecoder<'_>, Contexts)>) -> Result<()> {
+        side.finish()?;
+        if copies.is_some_and(|(bits, _)| !bits.is_done()) {
+            return Err(Error::new(ErrorKind::Corrupt, "the tile's copies do not end where they should"));
+        }
+        self.raw.finish()?;
+        self.symbols.finish()
+    }
+
+    /// What a symbol and its raw bits say.
+    #[inline(always)]
+    fn complete(raw: &mut BitReader<'_>, symbol: u8, ask: Ask) -> i64 {
+        let mut k = i64::from(symbol) - CENTRE;
+        if symbol == ESCAPE {
+            k = take_escaped(raw);
+        }
+        if ask.raw > 0 {
+            k = take_low(raw, k, u32::from(ask.raw));
+        }
+        k
+    }
 }
 
 impl<W: Word> Residuals<W> for Reading<'_> {
+    const KEEPS: bool = false;
+
+    fn keep(&mut self, _: &Planned<'_, W>, _: &[W]) {}
+
     #[inline(always)]
-    fn next(&mut self, _: usize, _: usize, _: W, ask: Ask) -> i64 {
+    fn next(&mut self, asks: &Asks, _: usize, _: usize, _: W, context: u16, turn: W) -> W {
+        let ask = asks.of(context);
         let symbol = self.symbols.next(self.set.decoding(ask.table));
-        let mut k = i64::from(symbol) - CENTRE;
-        if symbol == ESCAPE {
-            k = take_escaped(&mut self.raw);
+        W::from_wide(Self::complete(&mut self.raw, symbol, ask)).turned(turn)
+    }
+
+    #[inline(always)]
+    fn next_row(&mut self, asks: &Asks, _: usize, planned: &Planned<'_, W>, residuals: &mut [W]) {
+        let Planned { contexts, turns, holes, .. } = *planned;
+        // One thing at a time: symbols depend on each other and should not wait for anything else.
+        self.asks.clear();
+        let mut wide = 0;
+        match holes {
+            None => self.asks.extend(contexts[..residuals.len()].iter().map(|&context| asks.of(context))),
+            Some(holes) => {
+                let held = contexts.iter().zip(holes).filter(|&(_, &hole)| hole == 0);
+                self.asks.extend(held.map(|(&context, _)| asks.of(context)));
+            }
         }
-        if ask.raw > 0 {
-            k = take_low(&mut self.raw, k, u32::from(ask.raw));
+        self.asks.iter().for_each(|ask| wide |= ask.raw);
+        self.row.resize(self.asks.len(), 0);
+        self.symbols.next_all(&mut self.row, |index| self.set.decoding(self.asks[index].table));
+        let mut escaped = false;
+        self.row.iter().for_each(|&symbol| escaped |= symbol == ESCAPE);
+        if let Some(holes) = holes {
+            let mut held = self.row.iter().zip(&self.asks);
+            for (residual, &hole) in residuals.iter_mut().zip(holes) {
+                *residual = W::default();
+                if hole == 0
+                    && let Some((&symbol, &ask)) = held.next()
+                {
+                    *residual = W::from_wide(Self::complete(&mut self.raw, symbol, ask));
+                }
+            }
+        } else if escaped || wide > 0 {
+            for ((residual, &symbol), &ask) in residuals.iter_mut().zip(&self.row).zip(&self.asks) {
+                *residual = W::from_wide(Self::complete(&mut self.raw, symbol, ask));
+            }
+        } else {
+            for (residual, &symbol) in residuals.iter_mut().zip(&self.row) {
+                *residual = W::from_wide(i64::from(symbol) - CENTRE);
+            }
         }
-        if ask.flip { k.wrapping_neg() } else { k }
+        for (residual, &turn) in residuals.iter_mut().zip(turns) {
+            *residual = residual.turned(turn);
+        }
     }
 }
 
@@ -127,7 +193,8 @@ pub(super) fn segment_levels(segment: usize, levels: u8) -> std::ops::Range<u8> 
     }
 }
 
-/// Decodes the levels of a segment, coarse to fine, down to `finest`.
+/// Decodes the levels of a segment, coarse to fine, down to `finest`, whose cells go to `restored`; any other level is
+/// returned as the start of the next segment.
 ///
 /// `voids` are those of the levels, coarse to fine, or none.
 #[allow(clippy::too_many_arguments, reason = "a segment, where it belongs, and what is known of it")]
@@ -140,7 +207,8 @@ pub(super) fn decode_segment<W: Word>(
     finest: u8,
     rule: TileRule,
     voids: &[VoidLevel],
-) -> Result<Decoded<W>> {
+    restored: &mut Restored<'_>,
+) -> Result<Option<Level<W>>> {
     let mut count = 0;
     for (place, l) in span.clone().rev().enumerate() {
         for (index, pass) in PASSES.into_iter().enumerate() {
@@ -152,12 +220,18 @@ pub(super) fn decode_segment<W: Word>(
             }
         }
     }
-    let mut reading =
-        Reading { set: table_set(), symbols: Decoder::new(body.symbols, count)?, raw: BitReader::new(body.raw) };
+    let mut reading = Reading {
+        set: table_set(),
+        symbols: Decoder::new(body.symbols, count)?,
+        raw: BitReader::new(body.raw),
+        asks: Vec::new(),
+        row: Vec::new(),
+    };
+    let mut copies = body.copies.map(|bytes| (BinaryDecoder::new(bytes), Contexts::new()));
     for (place, l) in span.clone().rev().enumerate() {
         if l < finest {
             // A small tile: the coarsest cell is all that was asked for.
-            return Ok(Decoded::Level(level));
+            return Ok(Some(level));
         }
         let refined = refine(&level, |pass, cells, errors| {
             let hole = voids.get(place).map(|level| &level.planes[pass as usize]);
@@ -165,38 +239,33 @@ pub(super) fn decode_segment<W: Word>(
             if size.0 == 0 || size.1 == 0 {
                 return Ok((Plane::new(size.0, size.1), Plane::new(size.0, size.1)));
             }
-            let params = PassParams::read(side, pass, rule.serial)?;
-            Ok(run_pass(pass, size, cells, errors, hole, &params, rule, &mut reading))
+            let copies =
+                copies.as_mut().map(|(bits, contexts)| code_copies(bits, contexts, pass, cells, size, hole, None));
+            let still = match &copies {
+                Some(copies) => Some(copies.still()),
+                None => hole.map(|marks| Still { marks, copies: None }),
+            };
+            let params = PassParams::read(side, pass, l)?;
+            Ok(run_pass(pass, size, cells, errors, still, &params, rule, &[0..size.1], &mut reading))
         })?;
         if l == finest {
-            let cells = refined.flat();
+            refined.rows(|row| restored.push(row));
             if l == span.start {
-                side.check()?;
-                reading.raw.check()?;
-                reading.symbols.finish()?;
+                reading.finish(side, copies)?;
             }
-            return Ok(Decoded::Cells(cells));
+            return Ok(None);
         }
         let finer = refined.level();
         level = finer;
     }
-    side.check()?;
-    reading.raw.check()?;
-    reading.symbols.finish()?;
-    Ok(Decoded::Level(level))
+    reading.finish(side, copies)?;
+    Ok(Some(level))
 }
 
-/// What a segment decodes to: the start of the next one, or the cells that were asked for.
-pub(super) enum Decoded<W> {
-    /// A level and its errors.
-    Level(Level<W>),
-    /// The cells of the level that was asked for, row by row.
-    Cells(Vec<W>),
-}
-
-/// The parts of a segment beside its parameters: raw bits and symbols.
+/// The parts of a segment beside its parameters: copies, raw bits and symbols.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SegmentBody<'a> {
+    pub(super) copies: Option<&'a [u8]>,
     pub(super) raw: &'a [u8],
     pub(super) symbols: &'a [u8],
 }

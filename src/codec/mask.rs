@@ -14,7 +14,8 @@ use crate::error::{Error, ErrorKind, Result};
 const RUN: usize = 32;
 
 /// Reads or writes bits with contexts.
-trait Bits {
+pub(super) trait Bits {
+    /// Writes a bit, or reads one whatever is given.
     fn bit(&mut self, bit: bool, context: &mut Adaptive) -> bool;
 }
 
@@ -122,8 +123,7 @@ fn code_level<B: Bits>(
         let made = code_pass(bits, contexts, pass, known, size, truth.map(|truth| &truth[index]));
         planes[index] = made;
     }
-    let merged = Plane::merged([coarser, &planes[0], &planes[1], &planes[2]]);
-    VoidLevel { cells: Plane::framed(&merged, shape.width), planes }
+    VoidLevel { cells: Plane::woven([coarser, &planes[0], &planes[1], &planes[2]]), planes }
 }
 
 /// The voids of all levels of a tile, finest first, from those of its cells.

@@ -7,6 +7,8 @@
 mod binary;
 mod bits;
 mod cells;
+mod context;
+mod copies;
 mod cost;
 mod encode;
 mod fit;
@@ -17,12 +19,15 @@ mod params;
 mod pass;
 mod plane;
 mod rans;
+mod restore;
 mod tables;
+mod take;
 mod taps;
 mod tile;
 #[doc(hidden)]
 pub mod training;
 mod values;
+mod vectors;
 mod word;
 
 pub(crate) use binary::{BinaryDecoder, BinaryEncoder};

@@ -21,12 +21,16 @@ const USUAL: [i32; MAX_TAPS] = {
     }
     usual
 };
+/// The coarsest level that may have serial passes: coarser ones have too few cells to matter.
+pub(super) const SERIAL_UP_TO: u8 = 2;
 /// Greatest shift of the bins, either way.
 pub(super) const SHIFT_LIMIT: i32 = 3;
 
 /// Parameters of one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PassParams {
+    /// Whether predictions use the cells to the left in the same plane.
+    pub(super) serial: bool,
     /// One filter for all cells, or one for cells among nearly equal ones and one for the others.
     pub(super) classes: u8,
     /// Weights of the taps of each class, the serial ones last; 0 where a pass has fewer taps.
@@ -58,6 +62,7 @@ impl PassParams {
     pub(super) fn shipped(pass: Pass, serial: bool, variant: u8) -> Self {
         let (filter, codes) = TableSet::defaults(pass, serial, variant);
         let mut params = Self {
+            serial,
             classes: 1,
             filters: [filter; 2],
             codes,
@@ -82,8 +87,11 @@ impl PassParams {
         pass.tap_count() - if serial { 0 } else { SERIAL_TAPS }
     }
 
-    /// Writes the parameters.
-    pub(super) fn write(&self, bits: &mut BitWriter, pass: Pass, serial: bool) {
+    /// Writes the parameters of a pass of a level.
+    pub(super) fn write(&self, bits: &mut BitWriter, pass: Pass, level: u8) {
+        if level <= SERIAL_UP_TO {
+            bits.put(u64::from(self.serial), 1);
+        }
         bits.put(u64::from(self.shape), 1);
         bits.put((self.shift + SHIFT_LIMIT) as u64, 3);
         bits.put(u64::from(self.filter_variant.is_none()), 1);
@@ -92,7 +100,7 @@ impl PassParams {
             None => {
                 bits.put(u64::from(self.classes - 1), 1);
                 for filter in &self.filters[..usize::from(self.classes)] {
-                    for (&weight, usual) in filter[..Self::weights_of(pass, serial)].iter().zip(USUAL) {
+                    for (&weight, usual) in filter[..Self::weights_of(pass, self.serial)].iter().zip(USUAL) {
                         bits.put_signed(i64::from(weight - usual), 5);
                     }
                 }
@@ -106,8 +114,9 @@ impl PassParams {
     }
 
     /// Reads what [`PassParams::write`] wrote.
-    pub(super) fn read(bits: &mut BitReader<'_>, pass: Pass, serial: bool) -> Result<Self> {
+    pub(super) fn read(bits: &mut BitReader<'_>, pass: Pass, level: u8) -> Result<Self> {
         let corrupt = |what: String| Error::new(ErrorKind::Corrupt, what);
+        let serial = level <= SERIAL_UP_TO && bits.take(1) == 1;
         let shape = bits.take(1) as u8;
         let shift = bits.take(3) as i32 - SHIFT_LIMIT;
         if shift > SHIFT_LIMIT {

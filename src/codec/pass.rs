@@ -1,118 +1,44 @@
 //! One pass over one plane: predict each cell, guess how far off that may be, take the residual, rebuild the cell.
 //!
 //! Encoder and decoder run the same code; they differ in where a residual comes from ([`Residuals`]). Rows are
-//! prepared whole, in loops without dependences; what depends on the cell to the left (serial tiles) is added cell by
+//! prepared whole, in loops without dependences; what depends on the cell to the left (serial passes) is added cell by
 //! cell.
 
+use super::context::{Asks, TileRule, context_of, contexts_of};
+use super::copies::{COPY, Still};
 use super::params::{ERROR_WEIGHTS, PassParams};
 use super::plane::{FRAME, Plane};
-use super::tables::{TableRef, TableSet};
 use super::taps::{Known, MAX_TAPS, Pass, SERIAL_TAPS};
 use super::word::Word;
 
 /// Fraction bits of a filter's weights.
 pub(super) const FRACTION: u32 = 10;
 const HALF: i64 = 1 << (FRACTION - 1);
-/// Errors are kept in quarters of a unit, up to this.
-pub(super) const ERROR_LIMIT: u32 = 1 << 20;
-/// Bins of the expected error: quarter octaves.
-const BINS: usize = 256;
-
-/// What is the same for all passes of a tile.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct TileRule {
-    /// The quantiser's step, odd.
-    pub(super) step: i64,
-    /// Errors are divided by `2^coarseness`.
-    pub(super) coarseness: u32,
-    /// Whether predictions use the cells to the left in the same plane.
-    pub(super) serial: bool,
-}
-
-impl TileRule {
-    /// The rule of a step and of a range of `range_bits` bits.
-    pub(super) fn new(step: i64, range_bits: u32, serial: bool) -> Self {
-        let step_bits = 64 - step.leading_zeros();
-        Self { step, coarseness: step_bits.saturating_sub(6).max(range_bits.min(55).saturating_sub(24)), serial }
-    }
-
-    /// Multiplier and shift that turn a weighted sum of errors into 64ths of a step.
-    fn scale(self) -> (u64, u32) {
-        // 2^coarseness / (64 * step), as mantissa * 2^-shift with a mantissa of 32 bits.
-        let step_bits = 64 - (self.step as u64).leading_zeros();
-        let mantissa = ((1u128 << (31 + step_bits)) / self.step as u128) as u64;
-        (mantissa.min(u64::from(u32::MAX)), 31 + step_bits + 6 - self.coarseness)
-    }
-}
 
 /// Where residuals come from.
 pub(super) trait Residuals<W: Word> {
-    /// The residual, in steps, of the cell at a row and column whose prediction is given.
-    fn next(&mut self, row: usize, col: usize, prediction: W, ask: Ask) -> i64;
+    /// Whether [`Residuals::keep`] wants every row.
+    const KEEPS: bool;
 
-    /// The residuals of a whole row whose predictions do not depend on each other.
-    fn next_row(&mut self, row: usize, predictions: &[W], asks: &[Ask], residuals: &mut [W]) {
-        for (col, ((residual, &prediction), &ask)) in residuals.iter_mut().zip(predictions).zip(asks).enumerate() {
-            *residual = W::from_wide(self.next(row, col, prediction, ask));
-        }
-    }
+    /// The residual, in steps, of the cell at a row and column whose prediction is given; it is stored turned where
+    /// `turn` is less than 0.
+    fn next(&mut self, asks: &Asks, row: usize, col: usize, prediction: W, context: u16, turn: W) -> W;
+
+    /// The residuals of a whole row whose predictions do not depend on each other; 0 in holes.
+    fn next_row(&mut self, asks: &Asks, row: usize, planned: &Planned<'_, W>, residuals: &mut [W]);
+
+    /// A row is over; these were its residuals.
+    fn keep(&mut self, planned: &Planned<'_, W>, residuals: &[W]);
 }
 
-/// How a residual is stored: its table, how many low bits as they are, and whether its sign is turned.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ask {
-    pub(super) table: TableRef,
-    pub(super) raw: u8,
-    pub(super) flip: bool,
-}
-
-/// What the bin of the expected error and the class of the prediction's fraction lead to, for one pass.
-struct Bins {
-    asks: [[Ask; 4]; BINS],
-    mantissa: u64,
-    shift: u32,
-    /// How the fraction of a prediction is told apart: at steps 1 and 3 only.
-    fine: i64,
-}
-
-impl Bins {
-    fn new(params: &PassParams, rule: TileRule) -> Self {
-        let (mantissa, shift) = rule.scale();
-        let fine = if rule.step <= 3 { rule.step } else { 0 };
-        let mut bins = Self { asks: [[Ask::default(); 4]; BINS], mantissa, shift, fine };
-        for (bin, asks) in bins.asks.iter_mut().enumerate() {
-            for (class, ask) in asks.iter_mut().enumerate() {
-                ask.table = TableSet::table(rule.step, params.shape, params.shift, bin, class);
-                ask.raw = TableSet::raw_bits(bin) as u8;
-            }
-        }
-        bins
-    }
-
-    /// How the residual is stored where so much error is expected and the prediction was rounded by `rest`.
-    #[inline(always)]
-    fn ask(&self, expected: u32, rest: i64) -> Ask {
-        let bin = bin_of((u64::from(expected) * self.mantissa) >> self.shift);
-        let distance = rest.unsigned_abs();
-        let class = match self.fine {
-            // Exactly half counts as nearly half.
-            1 => (distance >> 7).min(3),
-            3 => distance / 184,
-            _ => 0,
-        };
-        let mut ask = self.asks[bin][class as usize & 3];
-        ask.flip = self.fine != 0 && rest < 0;
-        ask
-    }
-}
-
-/// The bin of an expected error in 64ths of a step: quarter octaves from 4 on.
-#[inline(always)]
-fn bin_of(error: u64) -> usize {
-    let error = error | 4;
-    let octave = 63 - error.leading_zeros();
-    // From 2^2 on: four bins an octave.
-    (((octave - 2) * 4) as usize + ((error >> (octave - 2)) & 3) as usize) & (BINS - 1)
+/// What is known of the cells of a row before their residuals.
+pub(super) struct Planned<'a, W> {
+    pub(super) predictions: &'a [W],
+    pub(super) contexts: &'a [u16],
+    /// Less than 0 where a residual is stored with the other sign.
+    pub(super) turns: &'a [W],
+    /// Other than 0 where a cell holds nothing and takes no residual.
+    pub(super) holes: Option<&'a [u8]>,
 }
 
 /// Work rows of a pass.
@@ -122,28 +48,19 @@ struct Rows<W> {
     class: Vec<u8>,
     expected: Vec<u32>,
     spare: Vec<W>,
-    asks: Vec<Ask>,
+    contexts: Vec<u16>,
     residuals: Vec<W>,
 }
 
 /// A prediction and by how much it was rounded, in fractions.
 #[inline(always)]
-fn rounded<W: Word>(base: W, deviation: W) -> (W, i64) {
+fn rounded<W: Word>(base: W, deviation: W) -> (W, W) {
     let whole = deviation.plus(W::from_wide(HALF)).halved(FRACTION);
-    (base.plus(whole), deviation.minus(whole.doubled(FRACTION)).wide())
-}
-
-/// The cell that a residual makes of a prediction, and its error.
-#[inline(always)]
-fn rebuilt<W: Word>(prediction: W, rest: i64, k: i64, rule: TileRule) -> (W, u32) {
-    let jump = W::from_wide(k.wrapping_mul(rule.step));
-    let far = i64::from(jump.magnitude().min(1 << 30)) << FRACTION;
-    let far = (far - if jump.is_negative() { -rest } else { rest }).unsigned_abs();
-    let error = ((far >> (FRACTION - 2)) >> rule.coarseness).min(u64::from(ERROR_LIMIT)) as u32;
-    (prediction.plus(jump), error)
+    (base.plus(whole), deviation.minus(whole.doubled(FRACTION)))
 }
 
 /// Adds the weighted taps to `sum`.
+#[inline(always)]
 fn weigh<W: Word>(sum: &mut [W], taps: &[(&[W], i32)]) {
     let count = sum.len();
     let mut groups = taps.chunks_exact(4);
@@ -162,8 +79,10 @@ fn weigh<W: Word>(sum: &mut [W], taps: &[(&[W], i32)]) {
     }
 }
 
-/// Adds a weighted group of errors to `sum`.
-fn weigh_errors(sum: &mut [u32], group: &[&[u32]], weight: u32) {
+/// Adds a weighted group of errors to `sum`. Weights are at most 1024, errors at most 65535, and there are at most 17
+/// of them, so that sums stay below `2^31`.
+#[inline(always)]
+fn weigh_errors(sum: &mut [u32], group: &[&[u16]], weight: u32) {
     if weight == 0 {
         return;
     }
@@ -172,25 +91,18 @@ fn weigh_errors(sum: &mut [u32], group: &[&[u32]], weight: u32) {
         [a, b] => {
             let (a, b) = (&a[..count], &b[..count]);
             for j in 0..count {
-                sum[j] = sum[j].wrapping_add(weight.wrapping_mul(a[j].wrapping_add(b[j])));
+                sum[j] += weight * (u32::from(a[j]) + u32::from(b[j]));
             }
         }
         [a, b, c, d] => {
             let (a, b, c, d) = (&a[..count], &b[..count], &c[..count], &d[..count]);
             for j in 0..count {
-                let four = a[j].wrapping_add(b[j]).wrapping_add(c[j].wrapping_add(d[j]));
-                sum[j] = sum[j].wrapping_add(weight.wrapping_mul(four));
+                let four = u32::from(a[j]) + u32::from(b[j]) + (u32::from(c[j]) + u32::from(d[j]));
+                sum[j] += weight * four;
             }
         }
         _ => {}
     }
-}
-
-/// Caps a magnitude in cell units as an error in coarse quarters.
-#[inline(always)]
-pub(super) fn as_error(magnitude: u32, coarseness: u32) -> u32 {
-    // At most 2^30 before the shift to quarters.
-    ((magnitude.min(1 << 29) << 2) >> coarseness).min(ERROR_LIMIT)
 }
 
 /// The mean of four cells, rounded down. Their sum could overflow where their differences do not.
@@ -199,7 +111,28 @@ pub(super) fn mean<W: Word>(a: W, b: W, c: W, d: W) -> W {
     a.plus(b.minus(a).plus(c.minus(a)).plus(d.minus(a)).halved(2))
 }
 
+/// How far the four nearest cells are from their mean, and how much two pairs of them disagree, as errors.
+#[inline(always)]
+pub(super) fn spread_and_across<W: Word>([p, q, r, s]: [W; 4], base: W, coarseness: u32) -> (u32, u32) {
+    let far = |x: W| x.minus(base).part(2);
+    let spread = far(p).plus(far(q)).plus(far(r).plus(far(s)));
+    let across = p.plus(q).minus(r.plus(s)).part(1);
+    (spread.error(coarseness), across.error(coarseness))
+}
+
+/// The least error that is expected: a step's share.
+pub(super) fn floor_of(rule: TileRule) -> u32 {
+    rule.step.error(rule.coarseness)
+}
+
+/// The nearest four cells by pairs: over C the two diagonals are compared, elsewhere the row with the column.
+#[inline(always)]
+pub(super) fn pairs<T>(pass: Pass, [a, b, c, d]: [T; 4]) -> [T; 4] {
+    if pass == Pass::C { [a, d, b, c] } else { [a, b, c, d] }
+}
+
 /// Nearest cells, their mean, their spread, and what of the expected error they tell.
+#[inline(always)]
 fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params: &PassParams, rule: TileRule) {
     let count = rows.base.len();
     let [a, b, c, d] = near.map(|run| &run[..count]);
@@ -208,18 +141,11 @@ fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params:
         base[j] = mean(a[j], b[j], c[j], d[j]);
     }
     let (spread_weight, across_weight) = (params.weights[3], params.weights[4]);
-    let coarseness = rule.coarseness;
-    // The least error: a step's share.
-    let floor = params.weights[8].wrapping_mul(as_error(u32::try_from(rule.step).unwrap_or(u32::MAX), coarseness));
-    // Over C the two diagonals are compared, elsewhere the row with the column.
-    let (p, q, r, s) = if pass == Pass::C { (a, d, b, c) } else { (a, b, c, d) };
+    let floor = params.weights[8] * floor_of(rule);
+    let [p, q, r, s] = pairs(pass, [a, b, c, d]);
     for j in 0..count {
-        let far = |x: W| x.minus(base[j]).magnitude() >> 2;
-        let spread = far(a[j]) + far(b[j]) + (far(c[j]) + far(d[j]));
-        let across = p[j].plus(q[j]).minus(r[j].plus(s[j])).magnitude() >> 1;
-        expected[j] = floor
-            .wrapping_add(spread_weight.wrapping_mul(as_error(spread, coarseness)))
-            .wrapping_add(across_weight.wrapping_mul(as_error(across, coarseness)));
+        let (spread, across) = spread_and_across([p[j], q[j], r[j], s[j]], base[j], rule.coarseness);
+        expected[j] = floor + spread_weight * spread + across_weight * across;
     }
     if params.classes == 2 {
         let flat = u32::try_from(rule.step.saturating_mul(2)).unwrap_or(u32::MAX);
@@ -230,43 +156,70 @@ fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params:
     }
 }
 
-/// Runs a pass and returns its cells and errors, framed.
+/// Runs a pass and returns its cells and errors, framed, with the widest vectors that the processor has.
 ///
-/// `void` says which cells hold nothing: they are filled with their prediction and take no residual.
+/// `still` says which cells take no residual: voids, which are filled with their prediction, and copies. `bands` are the rows
+/// to run: all of them, unless an encoder wants a sample.
 #[allow(clippy::too_many_arguments, reason = "the parts of a level, each of its own type")]
 pub(super) fn run_pass<W: Word, R: Residuals<W>>(
     pass: Pass,
-    (width, height): (usize, usize),
+    size: (usize, usize),
     cells: Known<'_, W>,
-    errors: Known<'_, u32>,
-    void: Option<&Plane<u8>>,
+    errors: Known<'_, u16>,
+    still: Option<Still<'_, W>>,
     params: &PassParams,
     rule: TileRule,
+    bands: &[std::ops::Range<usize>],
     residuals: &mut R,
-) -> (Plane<W>, Plane<u32>) {
+) -> (Plane<W>, Plane<u16>) {
+    super::vectors::widest(
+        #[inline(always)]
+        || run(pass, size, cells, errors, still, params, rule, bands, residuals),
+    )
+}
+
+#[allow(clippy::too_many_arguments, reason = "the parts of a level, each of its own type")]
+#[inline(always)]
+fn run<W: Word, R: Residuals<W>>(
+    pass: Pass,
+    (width, height): (usize, usize),
+    cells: Known<'_, W>,
+    errors: Known<'_, u16>,
+    still: Option<Still<'_, W>>,
+    params: &PassParams,
+    rule: TileRule,
+    bands: &[std::ops::Range<usize>],
+    residuals: &mut R,
+) -> (Plane<W>, Plane<u16>) {
     let mut own = Plane::<W>::new(width, height);
-    let mut own_errors = Plane::<u32>::new(width, height);
+    let mut own_errors = Plane::<u16>::new(width, height);
     if own.is_empty() {
         return (own, own_errors);
     }
-    let bins = Bins::new(params, rule);
+    let asks = Asks::new(params, rule);
+    let class_factor = rule.class_factor();
+    let turning = W::from_wide(if rule.turns() { -1 } else { 0 });
+    let step = W::from_wide(rule.step);
     let reach = width + 2 * FRAME;
-    for row in [-1isize, -2] {
-        own.framed_row_mut(row)[..reach].copy_from_slice(&cells.a.framed_row(0)[..reach]);
-        own_errors.framed_row_mut(row)[..reach].copy_from_slice(&errors.a.framed_row(0)[..reach]);
-    }
     let mut rows = Rows {
         base: vec![W::default(); width],
         deviation: vec![W::default(); width],
         class: vec![0; width],
         expected: vec![0; width],
         spare: vec![W::default(); width],
-        asks: vec![Ask::default(); width],
+        contexts: vec![0; width],
         residuals: vec![W::default(); width],
     };
     let taps = pass.taps();
     let [w_above, w_left, w_left2] = [params.weights[5], params.weights[6], params.weights[7]];
-    for row in 0..height {
+    for (row, first) in bands.into_iter().flat_map(|band| band.clone().map(move |row| (row, row == band.start))) {
+        if first {
+            for above in [row as isize - 1, row as isize - 2] {
+                let row = row as isize;
+                own.framed_row_mut(above)[..reach].copy_from_slice(&cells.a.framed_row(row)[..reach]);
+                own_errors.framed_row_mut(above)[..reach].copy_from_slice(&errors.a.framed_row(row)[..reach]);
+            }
+        }
         // What is known of the row before its first cell.
         let near = std::array::from_fn(|k| cells.run(&own, taps[k], row, width));
         look_around(pass, near, &mut rows, params, rule);
@@ -293,11 +246,12 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
             weigh(sum, &runs[..taps.len()]);
         }
         if params.classes == 2 {
-            for j in 0..width {
-                rows.deviation[j] = if rows.class[j] == 0 { rows.deviation[j] } else { rows.spare[j] };
+            for ((deviation, &spare), &class) in rows.deviation.iter_mut().zip(&rows.spare).zip(&rows.class) {
+                *deviation = if class == 0 { *deviation } else { spare };
             }
         }
-        let holes = void.map(|void| void.row(row));
+        let holes = still.map(|still| still.marks.row(row));
+        let copies = still.and_then(|still| still.copies).map(|copies| copies.row(row));
         let nearest_errors = errors.a.run(row as isize, 0, width);
         let first = cells.a.run(row as isize, 0, 1)[0];
         let first_error = nearest_errors[0];
@@ -305,70 +259,104 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
         let error_line = own_errors.framed_row_mut(row as isize);
         line[..FRAME].fill(first);
         error_line[..FRAME].fill(first_error);
-        let (mut left, mut left2) = (first, first);
-        let (mut left_error, mut left2_error) = (first_error, first_error);
-        let serial: [[i32; SERIAL_TAPS]; 2] =
-            std::array::from_fn(|class| std::array::from_fn(|k| params.filters[class][taps.len() + k]));
-        if !rule.serial && holes.is_none_or(|holes| !holes.contains(&1)) {
-            // Nothing depends on the cell to the left: loops of one thing each are faster than one loop of all.
-            let (predictions, rests) = (&mut rows.base, &mut rows.deviation);
-            for (base, deviation) in predictions.iter_mut().zip(rests.iter_mut()) {
-                let whole = deviation.plus(W::from_wide(HALF)).halved(FRACTION);
-                *base = base.plus(whole);
-                *deviation = deviation.minus(whole.doubled(FRACTION));
-            }
-            for ((ask, &expected), rest) in rows.asks.iter_mut().zip(&rows.expected).zip(rests.iter()) {
-                *ask = bins.ask(expected, rest.wide());
-            }
-            residuals.next_row(row, predictions, &rows.asks, &mut rows.residuals);
+        if params.serial {
+            let serial: [[i32; SERIAL_TAPS]; 2] =
+                std::array::from_fn(|class| std::array::from_fn(|k| params.filters[class][taps.len() + k]));
+            let (mut left, mut left2) = (first, first);
+            let (mut left_error, mut left2_error) = (u32::from(first_error), u32::from(first_error));
+            let Rows { base, deviation, class, expected, spare, contexts, residuals: taken } = &mut rows;
+            let (base, deviation, class, expected) =
+                (&base[..width], &deviation[..width], &class[..width], &expected[..width]);
+            let (turns, contexts, taken) = (&mut spare[..width], &mut contexts[..width], &mut taken[..width]);
             let (line, error_line) = (&mut line[FRAME..FRAME + width], &mut error_line[FRAME..FRAME + width]);
-            let (predictions, rests, taken) = (&predictions[..width], &rests[..width], &rows.residuals[..width]);
-            match i32::try_from(rule.step) {
-                Ok(step) if rule.coarseness == 0 => {
-                    for col in 0..width {
-                        let jump = taken[col].times(step);
-                        line[col] = predictions[col].plus(jump);
-                        error_line[col] = jump.fine_error(rests[col]);
-                    }
-                }
-                _ => {
-                    for col in 0..width {
-                        let rest = rests[col].wide();
-                        (line[col], error_line[col]) = rebuilt(predictions[col], rest, taken[col].wide(), rule);
-                    }
-                }
-            }
-        } else {
             for col in 0..width {
-                let mut deviation = rows.deviation[col];
-                let mut expected = rows.expected[col];
-                if rule.serial {
-                    let [p, q] = serial[usize::from(rows.class[col] & 1)];
-                    // The weights' share of the base is in the sum already.
-                    deviation = deviation.plus(left.times(p)).plus(left2.times(q));
-                    expected = expected
-                        .wrapping_add(w_left.wrapping_mul(left_error))
-                        .wrapping_add(w_left2.wrapping_mul(left2_error));
-                }
-                let (prediction, rest) = rounded(rows.base[col], deviation);
-                let (value, error) = if holes.is_some_and(|holes| holes[col] != 0) {
-                    (prediction, nearest_errors[col])
+                let [p, q] = serial[usize::from(class[col] & 1)];
+                // The weights' share of the base is in the sum already.
+                let deviation = deviation[col].plus(left.times(p)).plus(left2.times(q));
+                let expected = expected[col] + w_left * left_error + w_left2 * left2_error;
+                let (prediction, rest) = rounded(base[col], deviation);
+                let mark = holes.map_or(0, |holes| holes[col]);
+                let (value, error) = if mark != 0 {
+                    match copies {
+                        Some(copies) if mark == COPY => (copies[col], 0),
+                        _ => (prediction, u32::from(nearest_errors[col])),
+                    }
                 } else {
-                    let ask = bins.ask(expected, rest);
-                    rebuilt(prediction, rest, residuals.next(row, col, prediction, ask), rule)
+                    let context = context_of(expected, rest.low(), class_factor);
+                    let turn = rest.kept(turning);
+                    let residual = residuals.next(&asks, row, col, prediction, context, turn);
+                    if R::KEEPS {
+                        (contexts[col], turns[col], taken[col]) = (context, turn, residual);
+                    }
+                    let jump = residual.product(step);
+                    let error = match rule.coarseness {
+                        0 => jump.fine_error(rest),
+                        coarseness => jump.error(coarseness),
+                    };
+                    (prediction.plus(jump), error)
                 };
-                line[FRAME + col] = value;
-                error_line[FRAME + col] = error;
+                line[col] = value;
+                error_line[col] = error as u16;
                 (left2, left) = (left, value);
                 (left2_error, left_error) = (left_error, error);
             }
+            if R::KEEPS {
+                residuals.keep(&Planned { predictions: base, contexts, turns, holes }, taken);
+            }
+        } else {
+            // Nothing depends on the cell to the left: loops of one thing each are faster than one loop of all.
+            let (predictions, rests) = (&mut rows.base[..width], &mut rows.deviation[..width]);
+            for (base, deviation) in predictions.iter_mut().zip(rests.iter_mut()) {
+                (*base, *deviation) = rounded(*base, *deviation);
+            }
+            contexts_of(&mut rows.contexts[..width], &rows.expected[..width], |col| rests[col].low(), class_factor);
+            let turns = &mut rows.spare[..width];
+            for (turn, rest) in turns.iter_mut().zip(rests.iter()) {
+                *turn = rest.kept(turning);
+            }
+            let taken = &mut rows.residuals[..width];
+            let planned = Planned { predictions, contexts: &rows.contexts[..width], turns, holes };
+            residuals.next_row(&asks, row, &planned, taken);
+            if R::KEEPS {
+                residuals.keep(&planned, taken);
+            }
+            let (line, error_line) = (&mut line[FRAME..FRAME + width], &mut error_line[FRAME..FRAME + width]);
+            for k in taken.iter_mut() {
+                *k = k.product(step);
+            }
+            for ((cell, prediction), &jump) in line.iter_mut().zip(predictions.iter()).zip(taken.iter()) {
+                *cell = prediction.plus(jump);
+            }
+            if rule.coarseness == 0 {
+                for ((error, &rest), jump) in error_line.iter_mut().zip(rests.iter()).zip(taken.iter()) {
+                    *error = jump.fine_error(rest) as u16;
+                }
+            } else {
+                for (error, jump) in error_line.iter_mut().zip(taken.iter()) {
+                    *error = jump.error(rule.coarseness) as u16;
+                }
+            }
+            if let Some(holes) = holes {
+                for ((error, &hole), &nearest) in error_line.iter_mut().zip(holes).zip(nearest_errors) {
+                    *error = if hole == 0 { *error } else { nearest };
+                }
+                for (col, &copy) in copies.unwrap_or_default().iter().enumerate().filter(|&(col, _)| holes[col] == COPY)
+                {
+                    (line[col], error_line[col]) = (copy, 0);
+                }
+            }
         }
-        let (last, last_error) = (line[FRAME + width - 1], error_line[FRAME + width - 1]);
+        let line = own.framed_row_mut(row as isize);
+        let last = line[FRAME + width - 1];
         line[FRAME + width..].fill(last);
+        let error_line = own_errors.framed_row_mut(row as isize);
+        let last_error = error_line[FRAME + width - 1];
         error_line[FRAME + width..].fill(last_error);
     }
-    own.close();
-    own_errors.close();
+    if bands == [0..height] {
+        own.close();
+        own_errors.close();
+    }
     (own, own_errors)
 }
 

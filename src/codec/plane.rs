@@ -92,26 +92,41 @@ impl<T: Copy + Default> Plane<T> {
         plane
     }
 
-    /// The cells of the level that the four planes make up.
-    pub(super) fn merged(planes: [&Self; 4]) -> Vec<T> {
-        let [a, c, h, v] = planes;
-        let width = a.width + h.width;
-        let mut cells = Vec::with_capacity(width * (a.height + v.height));
-        let mut weave = |even: &[T], odd: &[T]| {
-            for (&even, &odd) in even.iter().zip(odd) {
-                cells.extend([even, odd]);
-            }
-            if even.len() > odd.len() {
-                cells.push(even[odd.len()]);
-            }
-        };
-        for row in 0..a.height {
-            weave(a.row(row), if h.is_empty() { &[] } else { h.row(row) });
-            if row < v.height {
-                weave(v.row(row), if c.is_empty() { &[] } else { c.row(row) });
-            }
+    /// The level that the four planes make up, framed.
+    pub(super) fn woven(planes: [&Self; 4]) -> Self {
+        let [a, _, h, v] = planes;
+        let mut plane = Self::new(a.width + h.width, a.height + v.height);
+        let width = plane.width;
+        for row in 0..plane.height {
+            let start = plane.start(row as isize) + FRAME;
+            Self::weave(planes, row, &mut plane.cells[start..start + width]);
         }
-        cells
+        plane.close();
+        plane
+    }
+
+    /// The rows of the level that the four planes make up, one after the other.
+    pub(super) fn woven_rows(planes: [&Self; 4], mut take: impl FnMut(&[T])) {
+        let [a, _, h, v] = planes;
+        let mut cells = vec![T::default(); a.width + h.width];
+        for row in 0..a.height + v.height {
+            Self::weave(planes, row, &mut cells);
+            take(&cells);
+        }
+    }
+
+    /// One row of the level that the four planes make up.
+    #[inline]
+    fn weave([a, c, h, v]: [&Self; 4], row: usize, cells: &mut [T]) {
+        let (even, odd) = if row % 2 == 0 { (a, h) } else { (v, c) };
+        let (even, odd) = (even.row(row / 2), if odd.is_empty() { &[] } else { odd.row(row / 2) });
+        let (pairs, last) = cells.as_chunks_mut::<2>();
+        for ((pair, &even), &odd) in pairs.iter_mut().zip(even).zip(odd) {
+            *pair = [even, odd];
+        }
+        if let (Some(cell), Some(&even)) = (last.first_mut(), even.last()) {
+            *cell = even;
+        }
     }
 
     /// A plane of the given cells, framed.

@@ -17,9 +17,9 @@ pub(super) const SHAPES: usize = 2;
 /// Shipped filters and weights for each pass.
 pub(super) const VARIANTS: usize = 4;
 /// Bins with tables of their own; wider distributions use the last four and raw bits.
-const TABLE_BINS: usize = 28;
+const TABLE_BINS: usize = 36;
 /// From this bin on, every four more bins are one more raw bit.
-const RAW_FROM: usize = 24;
+const RAW_FROM: usize = 32;
 /// Table kinds: four classes of the prediction's fraction for step 1, three for step 3, one for all other steps.
 const KINDS: usize = 8;
 /// Number of all tables.

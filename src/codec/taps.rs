@@ -37,7 +37,7 @@ pub(super) type Tap = (Source, i8, i8);
 
 /// Most taps of a pass, the serial ones included.
 pub(super) const MAX_TAPS: usize = 26;
-/// The last taps of each list: the two cells to the left in the pass's own plane; 0 unless the tile is serial.
+/// The last taps of each list: the two cells to the left in the pass's own plane; 0 unless the pass is serial.
 pub(super) const SERIAL_TAPS: usize = 2;
 
 use Source::{A, C, H, Own};

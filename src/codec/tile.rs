@@ -2,15 +2,15 @@
 
 use super::Cells;
 use super::bits::{BitReader, BitWriter};
+use super::context::{TileRule, greatest_coarseness, usual_coarseness};
+use super::copies::{Writing, are_frequent};
 use super::encode::{Pyramid, SegmentParts, TileEncoder};
-use super::level::{Decoded, Level, SegmentBody, decode_segment, levels, segment_levels};
-use super::mapping::Mapping;
+use super::level::{Level, SegmentBody, decode_segment, levels, segment_levels};
+use super::mapping::{Mapping, Meaning};
 use super::mask::{decode_voids, encode_voids, void_levels};
-use super::pass::TileRule;
 use super::plane::Plane;
-use super::values::{
-    Mapped, broken_cells, cell_bits, fill_voids, find_voids, map_cells, restore, set_cell_bits, void_bits,
-};
+use super::restore::{Restored, broken_cells, cell_bits, fill_voids, set_cell_bits};
+use super::values::{Mapped, find_voids, map_cells, void_bits};
 use super::word::Word;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
@@ -133,7 +133,9 @@ struct Header {
     voids: Option<bool>,
     /// Bits of the voids, where they are not those of the band.
     void_bits: Option<u64>,
-    serial: bool,
+    coarseness: u32,
+    /// Whether copies are told.
+    copies: bool,
     patched: bool,
     /// The coarsest cell.
     seed: i64,
@@ -144,7 +146,9 @@ impl Header {
         bits.put(u64::from(self.voids.is_some()), 1);
         if let Some(top) = self.voids {
             bits.put(u64::from(top), 1);
-            bits.put(u64::from(self.void_bits.is_some()), 1);
+            if matches!(sample, SampleType::F32 | SampleType::F64) {
+                bits.put(u64::from(self.void_bits.is_some()), 1);
+            }
             if let Some(void) = self.void_bits {
                 put_cell(bits, void, sample);
             }
@@ -152,28 +156,57 @@ impl Header {
         bits.put(u64::from(self.patched), 1);
         self.mapping.write(bits);
         if self.mapping.range_bits > 0 {
-            bits.put(u64::from(self.serial), 1);
+            let usual = self.coarseness == usual_coarseness(self.mapping.step);
+            bits.put(u64::from(!usual), 1);
+            if !usual {
+                bits.put(u64::from(self.coarseness), 6);
+            }
+            if self.mapping.step == 1 {
+                bits.put(u64::from(self.copies), 1);
+            }
             bits.put_signed(self.seed, self.mapping.range_bits.min(60));
         }
     }
 
-    fn read(bits: &mut BitReader<'_>, sample: SampleType) -> Result<Self> {
+    fn read(bits: &mut BitReader<'_>, rule: &BandRule) -> Result<Self> {
+        let sample = rule.sample;
+        let is_float = matches!(sample, SampleType::F32 | SampleType::F64);
         let (mut voids, mut void_bits) = (None, None);
         if bits.take(1) == 1 {
+            if !is_float && rule.nodata.is_none() {
+                return Err(Error::new(
+                    ErrorKind::Corrupt,
+                    "a tile of integers has voids, and its band no nodata value",
+                ));
+            }
             voids = Some(bits.take(1) == 1);
-            if bits.take(1) == 1 {
+            if is_float && bits.take(1) == 1 {
                 void_bits = Some(take_cell(bits, sample));
             }
         }
         let patched = bits.take(1) == 1;
         let mapping = Mapping::read(bits, sample)?;
-        let (mut serial, mut seed) = (false, 0);
+        if rule.bound == Bound::Lossless && (mapping.step > 1 || matches!(mapping.meaning, Meaning::Fixed { .. })) {
+            return Err(Error::new(ErrorKind::Corrupt, "a tile of a lossless band has lost something"));
+        }
+        let (mut copies, mut seed) = (false, 0);
+        let mut coarseness = usual_coarseness(mapping.step);
         if mapping.range_bits > 0 {
-            serial = bits.take(1) == 1;
+            if bits.take(1) == 1 {
+                coarseness = bits.take(6) as u32;
+                let greatest = greatest_coarseness(mapping.range_bits);
+                if coarseness > greatest {
+                    return Err(Error::new(
+                        ErrorKind::Corrupt,
+                        format!("a tile's errors are coarsened by {coarseness} bits; at most {greatest} are allowed"),
+                    ));
+                }
+            }
+            copies = mapping.step == 1 && bits.take(1) == 1;
             seed = bits.take_signed(mapping.range_bits.min(60));
         }
         bits.check()?;
-        Ok(Self { mapping, voids, void_bits, serial, patched, seed })
+        Ok(Self { mapping, voids, void_bits, coarseness, copies, patched, seed })
     }
 }
 
@@ -200,6 +233,9 @@ fn commonest_void(cells: &Cells, voids: &[u8], rule: &BandRule) -> Option<u64> {
     let (&bits, _) = counts.iter().max_by_key(|&(&bits, &count)| (count, std::cmp::Reverse(bits)))?;
     (bits != void_bits(rule)).then_some(bits)
 }
+
+/// Bits of the range from which on residuals cost so much that copies may be worth telling.
+const COPIES_FROM: u32 = 18;
 
 /// Which segment holds a cell: that of the coarsest level that has it.
 fn segment_of(index: usize, width: usize) -> usize {
@@ -233,28 +269,28 @@ fn finish<W: Word>(
 ) -> Result<Attempt> {
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(voids, shape, levels) };
-    let (mut serial, mut parts, mut decoded_xs): (bool, [SegmentParts; SEGMENTS], Option<Vec<W>>) =
-        (false, Default::default(), None);
+    let mut coarseness = usual_coarseness(mapping.step);
+    let mut copies = false;
+    let (mut parts, mut decoded_xs): ([SegmentParts; SEGMENTS], Option<Vec<W>>) = Default::default();
     if mapping.range_bits > 0 {
-        let plain = TileRule::new(mapping.step, mapping.range_bits, false);
+        coarseness = coarseness_of(xs, voids, shape.width, mapping.step).min(greatest_coarseness(mapping.range_bits));
         let pyramid = Pyramid::<W>::new(xs, shape, levels, &holes);
-        let mut parallel = TileEncoder::new(&pyramid, plain);
-        let mut chained = TileEncoder::new(&pyramid, TileRule { serial: true, ..plain });
-        // The coarser levels tell which kind of tile is smaller; the finest, three quarters of the work, is coded once.
-        for level in (1..levels).rev() {
-            parallel.code_level(level)?;
-            chained.code_level(level)?;
+        let mut coded = TileEncoder::new(&pyramid, TileRule { step: mapping.step, coarseness });
+        copies = mapping.step == 1 && mapping.range_bits >= COPIES_FROM && are_frequent(xs, shape.width);
+        if copies {
+            coded.segments.iter_mut().for_each(|parts| parts.copies = Some(Writing::new()));
         }
-        // Serial tiles take longer to decode: they have to be worth it.
-        serial = chained.cost + chained.cost / 256 < parallel.cost;
-        let mut coded = if serial { chained } else { parallel };
-        coded.code_level(0)?;
+        for level in (0..levels).rev() {
+            coded.code_level(level)?;
+        }
         (parts, decoded_xs) = (coded.segments, Some(coded.cells));
     }
-    let mut decoded = match &decoded_xs {
-        Some(xs) => restore(xs.iter().map(|x| x.wide()), &mapping, rule),
-        None => restore(std::iter::repeat_n(0, cells.len()), &mapping, rule),
-    };
+    let mut decoded = Restored::new(&mapping, rule, cells.len());
+    match &decoded_xs {
+        Some(xs) => decoded.push(xs),
+        None => decoded.fill(W::default(), cells.len()),
+    }
+    let mut decoded = decoded.finish();
     let commonest = commonest_void(cells, voids, rule);
     fill_voids(&mut decoded, voids, commonest.unwrap_or(void_bits(rule)));
     let broken = broken_cells(cells, &decoded, rule);
@@ -262,7 +298,8 @@ fn finish<W: Word>(
         seed: xs[0],
         voids: (!voids.is_empty()).then(|| voids[0] != 0),
         void_bits: commonest,
-        serial,
+        coarseness,
+        copies,
         patched: !broken.is_empty(),
         mapping,
     };
@@ -272,7 +309,7 @@ fn finish<W: Word>(
         if index == 0 {
             header.write(&mut side, rule.sample);
         }
-        let (passes, raw, symbols) = parts.finish();
+        let (passes, copies, raw, symbols) = parts.finish();
         if header.patched {
             write_patches(&mut side, cells, shape, &broken, index);
         }
@@ -291,11 +328,43 @@ fn finish<W: Word>(
             put_part(segment, &mask);
         }
         if header.mapping.range_bits > 0 {
+            if let Some(copies) = &copies {
+                put_part(segment, copies);
+            }
             put_part(segment, &raw);
             segment.extend_from_slice(&symbols);
         }
     }
     Ok(Attempt { tile, patches: broken.len() })
+}
+
+/// How much errors are coarsened: as usual for the step, unless cells are far from the mean of their neighbours; then so
+/// that nine of ten errors stay well below the limit.
+pub(super) fn coarseness_of(xs: &[i64], voids: &[u8], width: usize, step: i64) -> u32 {
+    let mut far: Vec<u64> = Vec::new();
+    let rows: Vec<&[i64]> = xs.chunks_exact(width).collect();
+    let stride = (rows.len() / 64).max(1);
+    for row in (1..rows.len().saturating_sub(1)).step_by(stride) {
+        for col in (1..width.saturating_sub(1)).step_by((width / 64).max(1)) {
+            let void = |row: usize, col: usize| voids.get(row * width + col).is_some_and(|&void| void != 0);
+            if void(row, col) || void(row - 1, col) || void(row + 1, col) || void(row, col - 1) || void(row, col + 1) {
+                continue;
+            }
+            let above = |x: i64| x.wrapping_sub(rows[row - 1][col]);
+            let mean = above(rows[row + 1][col])
+                .wrapping_add(above(rows[row][col - 1]))
+                .wrapping_add(above(rows[row][col + 1]))
+                >> 2;
+            far.push(above(rows[row][col]).wrapping_sub(mean).unsigned_abs());
+        }
+    }
+    let usual = usual_coarseness(step);
+    if far.is_empty() {
+        return usual;
+    }
+    let place = far.len() * 9 / 10;
+    let (_, &mut far, _) = far.select_nth_unstable(place);
+    (64 - far.leading_zeros() + 2).saturating_sub(13).max(usual)
 }
 
 /// Cells of a segment that are written out: number, distances, bits.
@@ -381,7 +450,7 @@ pub fn decode_tile(segments: &[&[u8]], shape: TileShape, rule: &BandRule, level:
         .ok_or_else(|| Error::new(ErrorKind::Corrupt, "a segment of the tile is missing"))?;
     let mut rest = segments[0];
     let mut bits = BitReader::new(take_part(&mut rest)?);
-    let header = Header::read(&mut bits, rule.sample)?;
+    let header = Header::read(&mut bits, rule)?;
     if header.mapping.range_bits > 31 {
         decode_levels::<i64>(segments, &header, (bits, rest), shape, rule, level)
     } else {
@@ -398,8 +467,10 @@ fn decode_levels<W: Word>(
     finest: u8,
 ) -> Result<Cells> {
     let levels = levels(shape);
-    let tile_rule = TileRule::new(header.mapping.step, header.mapping.range_bits, header.serial);
-    let mut decoded = Decoded::Level(Level::seed(W::from_wide(header.seed)));
+    let tile_rule = TileRule { step: header.mapping.step, coarseness: header.coarseness };
+    let asked = shape.at_level(finest);
+    let mut restored = Restored::new(&header.mapping, rule, asked.cells());
+    let mut level = Some(Level::seed(W::from_wide(header.seed)));
     let mut holes = header.voids.map(|top| Plane::framed(&[u8::from(top)], 1));
     let mut patches = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
@@ -428,11 +499,22 @@ fn decode_levels<W: Word>(
             void_levels = decode_voids(take_part(&mut rest)?, coarser, shape, span.clone())?;
         }
         if header.mapping.range_bits > 0 {
+            let copies = if header.copies { Some(take_part(&mut rest)?) } else { None };
             let raw = take_part(&mut rest)?;
-            let body = SegmentBody { raw, symbols: rest };
-            if let Decoded::Level(level) = decoded {
-                decoded =
-                    decode_segment(&body, &mut bits, level, shape, span.clone(), finest, tile_rule, &void_levels)?;
+            let body = SegmentBody { copies, raw, symbols: rest };
+            if let Some(coarser) = level {
+                let span = span.clone();
+                level = decode_segment(
+                    &body,
+                    &mut bits,
+                    coarser,
+                    shape,
+                    span,
+                    finest,
+                    tile_rule,
+                    &void_levels,
+                    &mut restored,
+                )?;
             }
             rest = &[];
         }
@@ -446,17 +528,12 @@ fn decode_levels<W: Word>(
             holes = Some(found.cells);
         }
     }
-    let asked = shape.at_level(finest);
-    let mut cells = match header.mapping.range_bits {
-        0 => restore(std::iter::repeat_n(0, asked.cells()), &header.mapping, rule),
-        _ => {
-            let xs = match decoded {
-                Decoded::Cells(cells) => cells,
-                Decoded::Level(level) => level.flat(),
-            };
-            restore(xs.iter().map(|x| x.wide()), &header.mapping, rule)
-        }
-    };
+    match level {
+        _ if header.mapping.range_bits == 0 => restored.fill(W::default(), asked.cells()),
+        Some(level) => (0..level.cells.height).for_each(|row| restored.push(level.cells.row(row))),
+        None => {}
+    }
+    let mut cells = restored.finish();
     if let Some(holes) = &holes {
         let flat: Vec<u8> = (0..holes.height).flat_map(|row| holes.row(row).to_vec()).collect();
         if flat.len() != cells.len() {

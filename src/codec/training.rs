@@ -1,11 +1,11 @@
 //! What a trainer of tables needs of the encoder: `tools/train` is its only user.
 
 use super::Cells;
+use super::context::{TileRule, greatest_coarseness};
 use super::encode::{Pyramid, TileEncoder};
 use super::level::levels;
 use super::mask::void_levels;
-use super::pass::TileRule;
-use super::tile::{BandRule, TileShape};
+use super::tile::{BandRule, TileShape, coarseness_of};
 use super::values::{Mapped, find_voids, map_cells};
 use crate::error::Result;
 
@@ -14,7 +14,7 @@ use crate::error::Result;
 pub struct Fitted {
     /// The pass: 0 C, 1 H, 2 V.
     pub pass: usize,
-    /// Whether the tile is serial.
+    /// Whether the pass is serial.
     pub serial: bool,
     /// The quantiser's step.
     pub step: i64,
@@ -34,7 +34,7 @@ pub struct Observed {
     pub passes: Vec<Fitted>,
 }
 
-/// Encodes a tile and tells what was coded; nothing for tiles of one value.
+/// Encodes a tile, with serial passes or without, and tells what was coded; nothing for tiles of one value.
 ///
 /// # Errors
 /// As [`super::encode_tile`].
@@ -47,7 +47,10 @@ pub fn observe(cells: &Cells, shape: TileShape, rule: &BandRule, serial: bool) -
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(&voids, shape, levels) };
     let pyramid = Pyramid::<i32>::new(&xs, shape, levels, &holes);
-    let mut coded = TileEncoder::new(&pyramid, TileRule::new(mapping.step, mapping.range_bits, serial));
+    let coarseness = coarseness_of(&xs, &voids, shape.width, mapping.step).min(greatest_coarseness(mapping.range_bits));
+    let rule = TileRule { step: mapping.step, coarseness };
+    let mut coded = TileEncoder::new(&pyramid, rule);
+    coded.serial = Some(serial);
     coded.observed = Some(Default::default());
     for level in (0..levels).rev() {
         coded.code_level(level)?;

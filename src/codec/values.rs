@@ -1,9 +1,7 @@
-//! Finds the mapping of a tile's values, and turns integers back into cells.
+//! Finds the mapping of a tile's values.
 
 use super::Cells;
-use super::mapping::{
-    FIXED_STEP, Mapping, Meaning, f32_of_order, f64_of_order, fixed_unit, order_of_f32, order_of_f64,
-};
+use super::mapping::{FIXED_STEP, Mapping, Meaning, fixed_unit, order_of_f32, order_of_f64};
 use super::tile::{BandRule, Bound};
 use crate::grid::SampleType;
 use crate::with_cells;
@@ -19,34 +17,6 @@ fn default_void(sample: SampleType) -> u64 {
 /// The bits of the voids of a band.
 pub(super) fn void_bits(rule: &BandRule) -> u64 {
     rule.nodata.unwrap_or_else(|| default_void(rule.sample))
-}
-
-/// The bits of a cell, zero-extended.
-pub(super) fn cell_bits(cells: &Cells, index: usize) -> u64 {
-    match cells {
-        Cells::U8(v) => u64::from(v[index]),
-        Cells::I8(v) => u64::from(v[index] as u8),
-        Cells::U16(v) => u64::from(v[index]),
-        Cells::I16(v) => u64::from(v[index] as u16),
-        Cells::U32(v) => u64::from(v[index]),
-        Cells::I32(v) => u64::from(v[index] as u32),
-        Cells::F32(v) => u64::from(v[index].to_bits()),
-        Cells::F64(v) => v[index].to_bits(),
-    }
-}
-
-/// Sets a cell to the given bits.
-pub(super) fn set_cell_bits(cells: &mut Cells, index: usize, bits: u64) {
-    match cells {
-        Cells::U8(v) => v[index] = bits as u8,
-        Cells::I8(v) => v[index] = bits as i8,
-        Cells::U16(v) => v[index] = bits as u16,
-        Cells::I16(v) => v[index] = bits as i16,
-        Cells::U32(v) => v[index] = bits as u32,
-        Cells::I32(v) => v[index] = bits as i32,
-        Cells::F32(v) => v[index] = f32::from_bits(bits as u32),
-        Cells::F64(v) => v[index] = f64::from_bits(bits),
-    }
 }
 
 /// Which cells hold nothing: 1 for voids. Empty when there are none.
@@ -113,7 +83,7 @@ fn is_void(voids: &[u8], index: usize) -> bool {
 }
 
 /// Integers with an allowed error of so many units.
-fn map_whole(values: Vec<i64>, voids: &[u8], error: i64, meaning: Meaning) -> Mapped {
+fn map_whole(mut values: Vec<i64>, voids: &[u8], error: i64, meaning: Meaning) -> Mapped {
     let held = || values.iter().enumerate().filter(|&(index, _)| !is_void(voids, index)).map(|(_, &value)| value);
     let (least, most) = held().fold((i64::MAX, i64::MIN), |(least, most), v| (least.min(v), most.max(v)));
     if least > most {
@@ -143,14 +113,16 @@ fn map_whole(values: Vec<i64>, voids: &[u8], error: i64, meaning: Meaning) -> Ma
         }
     }
     let factor = factor.max(1);
-    let xs = values
-        .iter()
-        .enumerate()
-        .map(|(index, v)| if is_void(voids, index) { 0 } else { (v.wrapping_sub(least) as u64 / factor) as i64 })
-        .collect();
+    match factor {
+        1 => values.iter_mut().for_each(|value| *value = value.wrapping_sub(least)),
+        _ => values.iter_mut().for_each(|value| *value = (value.wrapping_sub(least) as u64 / factor) as i64),
+    }
+    for (value, _) in values.iter_mut().zip(voids).filter(|&(_, &void)| void != 0) {
+        *value = 0;
+    }
     let step = 2 * (error as u64 / factor) as i64 + 1;
     let range_bits = 64 - (range / factor).leading_zeros();
-    Mapped { mapping: Mapping { meaning, least, factor, range_bits, step }, xs }
+    Mapped { mapping: Mapping { meaning, least, factor, range_bits, step }, xs: values }
 }
 
 fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
@@ -291,71 +263,4 @@ fn map_floats(
     }
     let orders = (0..values.len()).map(|index| if is_void(voids, index) { 0 } else { order(index) }).collect();
     map_whole(orders, voids, 0, Meaning::Ordered)
-}
-
-/// The cells that the integers stand for.
-pub(super) fn restore(xs: impl Iterator<Item = i64>, mapping: &Mapping, rule: &BandRule) -> Cells {
-    let bound = match rule.bound {
-        Bound::MaxError(bound) => bound,
-        Bound::Lossless => 0.0,
-    };
-    macro_rules! whole {
-        ($variant:ident, $type:ty) => {
-            Cells::$variant(
-                xs.map(|x| mapping.whole(x).clamp(i64::from(<$type>::MIN), i64::from(<$type>::MAX)) as $type).collect(),
-            )
-        };
-    }
-    match (rule.sample, &mapping.meaning) {
-        (SampleType::U8, _) => whole!(U8, u8),
-        (SampleType::I8, _) => whole!(I8, i8),
-        (SampleType::U16, _) => whole!(U16, u16),
-        (SampleType::I16, _) => whole!(I16, i16),
-        (SampleType::U32, _) => whole!(U32, u32),
-        (SampleType::I32, _) => whole!(I32, i32),
-        (SampleType::F32, Meaning::Ordered) => Cells::F32(xs.map(|x| f32_of_order(mapping.number(x))).collect()),
-        (SampleType::F32, _) => Cells::F32(xs.map(|x| mapping.real(x, bound) as f32).collect()),
-        (SampleType::F64, Meaning::Ordered) => Cells::F64(xs.map(|x| f64_of_order(mapping.number(x))).collect()),
-        (SampleType::F64, _) => Cells::F64(xs.map(|x| mapping.real(x, bound)).collect()),
-    }
-}
-
-/// Puts the bits of voids where voids are.
-pub(super) fn fill_voids(cells: &mut Cells, voids: &[u8], bits: u64) {
-    for (index, _) in voids.iter().enumerate().filter(|&(_, &void)| void != 0) {
-        set_cell_bits(cells, index, bits);
-    }
-}
-
-/// Cells whose decoded value breaks the band's promise, in order.
-pub(super) fn broken_cells(cells: &Cells, decoded: &Cells, rule: &BandRule) -> Vec<usize> {
-    let bound = match rule.bound {
-        Bound::MaxError(bound) => bound,
-        Bound::Lossless => 0.0,
-    };
-    macro_rules! compare {
-        ($($variant:ident),*) => {
-            match (cells, decoded) {
-                $((Cells::$variant(before), Cells::$variant(after)) => before
-                    .iter()
-                    .zip(after)
-                    .enumerate()
-                    .filter(|&(index, (&before, &after))| {
-                        if before.to_le_bytes() == after.to_le_bytes() {
-                            return false;
-                        }
-                        // A void on either side has to be exact; a difference of NaNs and infinities is no number.
-                        let near = (before as f64 - after as f64).abs() <= bound && bound > 0.0;
-                        !near
-                            || rule.nodata.is_some_and(|nodata| {
-                                cell_bits(cells, index) == nodata || cell_bits(decoded, index) == nodata
-                            })
-                    })
-                    .map(|(index, _)| index)
-                    .collect(),)*
-                _ => (0..cells.len()).collect(),
-            }
-        };
-    }
-    compare!(U8, I8, U16, I16, U32, I32, F32, F64)
 }

@@ -13,7 +13,7 @@ const SYMBOLS: usize = 64;
 const ESCAPE: usize = 63;
 const CENTRE: usize = 31;
 const TOTAL: f64 = 16_384.0;
-const BINS: usize = 28;
+const BINS: usize = 36;
 const KINDS: usize = 8;
 const PLAIN: usize = KINDS * BINS;
 const SHAPES: usize = 2;
@@ -75,8 +75,8 @@ fn watch(path: &str, spreads: &mut Vec<Spread>, fitted: &mut Vec<Fitted>) -> Res
             tiles += 1;
             let cells = reader.tile(Place { col, row, band: 0 }, 0)?;
             let bounds: &[f64] = match cells {
-                Cells::F32(_) | Cells::F64(_) => &[0.0, 0.01, 0.05, 0.2, 0.5, 2.0, 8.0],
-                _ => &[0.0, 1.0, 2.0, 5.0, 10.0, 25.0],
+                Cells::F32(_) | Cells::F64(_) => &[0.0, 0.01, 0.05, 0.2, 0.5, 2.0, 8.0, 30.0],
+                _ => &[0.0, 1.0, 2.0, 5.0, 10.0, 25.0, 80.0],
             };
             for &bound in bounds {
                 for serial in [false, true] {
