@@ -93,6 +93,13 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
+    /// Fails when more of the segment was used than there is.
+    fn check(&self, side: &BitReader<'_>) -> Result<()> {
+        side.check()?;
+        self.raw.check()?;
+        self.symbols.check()
+    }
+
     /// Fails unless all of the segment was used.
     fn finish(self, side: &BitReader<'_>, copies: Option<(BinaryDecoder<'_>, Contexts)>) -> Result<()> {
         side.finish()?;
@@ -240,9 +247,14 @@ pub(super) fn decode_segment<W: Word>(
             if size.0 == 0 || size.1 == 0 {
                 return Ok((Plane::new(size.0, size.1), Plane::new(size.0, size.1)));
             }
-            let copies =
-                copies.as_mut().map(|(bits, contexts)| code_copies(bits, contexts, pass, cells, size, hole, None));
-            let still = match &copies {
+            let mut told = None;
+            if let Some((bits, contexts)) = &mut copies {
+                told = Some(code_copies(bits, contexts, pass, cells, size, hole, None));
+                if bits.is_beyond() {
+                    return Err(Error::new(ErrorKind::Corrupt, "the tile's copies end early"));
+                }
+            }
+            let still = match &told {
                 Some(copies) => Some(copies.still()),
                 None => hole.map(|marks| Still { marks, copies: None }),
             };
@@ -251,8 +263,9 @@ pub(super) fn decode_segment<W: Word>(
         })?;
         if l == finest {
             refined.rows(|row| restored.push(row));
-            if l == span.start {
-                reading.finish(side, copies)?;
+            match l == span.start {
+                true => reading.finish(side, copies)?,
+                false => reading.check(side)?,
             }
             return Ok(None);
         }

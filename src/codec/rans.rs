@@ -218,6 +218,14 @@ impl<'a> Decoder<'a> {
         *self = decoder;
     }
 
+    /// Fails when more was read than there is.
+    pub(super) fn check(&self) -> Result<()> {
+        match self.position <= self.words.len() {
+            true => Ok(()),
+            false => Err(Error::new(ErrorKind::Corrupt, "the tile's symbols end early")),
+        }
+    }
+
     /// Fails unless exactly the given bytes were used and every state came back to where the encoder began.
     pub(super) fn finish(self) -> Result<()> {
         match self.position == self.words.len() && self.state.iter().all(|&x| x == LOW) {

@@ -422,15 +422,16 @@ fn put_part(segment: &mut Vec<u8>, part: &[u8]) {
 /// Reads a part of a segment and leaves what follows it.
 fn take_part<'a>(segment: &mut &'a [u8]) -> Result<&'a [u8]> {
     let early = || Error::new(ErrorKind::Corrupt, "a segment ends early");
-    let mut length = 0usize;
+    let mut length = 0u64;
     for place in 0..5 {
         let (&byte, rest) = segment.split_first().ok_or_else(early)?;
         *segment = rest;
-        length |= usize::from(byte & 127) << (7 * place);
+        length |= u64::from(byte & 127) << (7 * place);
         if byte == 0 && place > 0 {
             return Err(Error::new(ErrorKind::Corrupt, "the length of a part of a segment has needless bytes"));
         }
         if byte < 128 {
+            let length = usize::try_from(length).map_err(|_| early())?;
             let (part, rest) = segment.split_at_checked(length).ok_or_else(early)?;
             *segment = rest;
             return Ok(part);
@@ -477,7 +478,10 @@ fn decode_levels<W: Word>(
         let span = segment_levels(index, levels);
         let (mut bits, mut rest) = match index {
             0 => (first_bits.clone(), first_rest),
-            _ if segment.is_empty() && span.is_empty() => continue,
+            _ if span.is_empty() && segment.is_empty() => continue,
+            _ if span.is_empty() => {
+                return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} should be empty")));
+            }
             _ if segment.is_empty() => {
                 if header.mapping.range_bits > 0 || header.patched {
                     return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} is empty")));
@@ -493,6 +497,10 @@ fn decode_levels<W: Word>(
         if header.patched {
             read_patches(&mut bits, rule.sample, shape, index, &mut patches)?;
             bits.check()?;
+        }
+        if header.mapping.range_bits == 0 {
+            // There are no passes, and so no parameters.
+            bits.finish()?;
         }
         let mut void_levels = Vec::new();
         if let Some(coarser) = &holes {

@@ -3,7 +3,8 @@
 use crate::case::{Case, SAMPLES, cells, noise};
 use crate::parts::Parts;
 use crate::terrain::{heights, is_void};
-use orograph::codec::{Bound, Cells};
+use crate::tile_bits::{self, Bits, part};
+use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
 use orograph::grid::SampleType;
 use orograph::oro::{Band, Description};
 
@@ -58,7 +59,14 @@ fn with_voids(width: usize, height: usize, heights: &mut [f64], void: f64) {
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [types(), bounds(), voids(), patches(), shapes(), filters(), containers()].concat()
+    [types(), bounds(), voids(), patches(), copies(), shapes(), filters(), containers()].concat()
+}
+
+/// Heights resampled to the nearest: each is there once or more, next to itself.
+pub fn resampled(width: usize, height: usize, seed: u64, by: f64) -> Vec<f64> {
+    let source = heights(width, height, seed, 0.6);
+    let near = |place: usize| (place as f64 * by) as usize;
+    (0..width * height).map(|index| source[near(index / width) * width + near(index % width)] * 0.37).collect()
 }
 
 fn types() -> Vec<Vector> {
@@ -230,6 +238,54 @@ fn patches() -> Vec<Vector> {
         ("beside-nodata", "cells a unit from the nodata value, max error 2: none may become it", {
             file(72, 64, 128, Cells::I16(near), nodata, Bound::MaxError(2.0))
         }),
+    ]
+}
+
+fn copies() -> Vec<Vector> {
+    let lossless = |cells, nodata| file(64, 48, 64, cells, nodata, Bound::Lossless);
+    let single = |by| resampled(64, 48, 14, by).iter().map(|&z| z as f32).collect::<Vec<_>>();
+    let holed = |void: f64| {
+        let mut z = resampled(64, 48, 15, 0.6);
+        with_voids(64, 48, &mut z, void);
+        z
+    };
+    // Rows that are walks of their own, in which a cell often stays.
+    let (mut walk, mut z) = (vec![], 0_i32);
+    for (index, bits) in noise(16).take(96 * 96).enumerate() {
+        z = if index % 96 == 0 { (bits >> 40) as i32 } else { z + [0, (bits >> 54) as i32 - 512][bits as usize % 2] };
+        walk.push(z);
+    }
+    let usual = {
+        // The tile of two-by-two, whose header says what it need not say.
+        let rule = BandRule { sample: SampleType::U8, nodata: None, bound: Bound::Lossless };
+        let tile = encode_tile(&Cells::U8(vec![10, 12, 11, 15]), TileShape { width: 2, height: 2 }, &rule);
+        let [.., last] = tile.expect("encodes").segments;
+        let side = Bits::default().bits(0, 5).signed(10, 10).number(0, 0).bits(3, 7).number(2, 0);
+        let side = side.bits(1, 1).bits(0, 6).bits(0, 1).signed(3, 0);
+        tile_bits::file(2, 2, &[0], [[part(&side.bytes()), part(&[])].concat(), vec![], vec![], last])
+    };
+    vec![
+        ("f32-resampled", "f32 resampled by 0.7: copies", lossless(Cells::F32(single(0.7)), None)),
+        ("f32-doubled", "f32, two by two cells alike: copies, and a segment without residuals", {
+            lossless(Cells::F32(single(0.5)), None)
+        }),
+        ("f32-resampled-voids", "f32 resampled, with NaN: copies beside voids", {
+            lossless(Cells::F32(holed(f64::NAN).iter().map(|&z| z as f32).collect()), None)
+        }),
+        ("f64-resampled", "f64 resampled: copies in words of 64 bits", {
+            lossless(Cells::F64(resampled(64, 48, 14, 0.8)), None)
+        }),
+        ("f64-resampled-voids", "f64 resampled, with a nodata value", {
+            lossless(Cells::F64(holed(-9999.0)), Some((-9999_f64).to_bits()))
+        }),
+        ("i32-resampled-bound", "i32 resampled, max error 0.9, and so a step of 1: copies; with voids", {
+            let cells = Cells::I32(holed(-1.0).iter().map(|z| (z * 1000.0) as i32).collect());
+            file(64, 48, 64, cells, Some(u64::from(-1000_i32 as u32)), Bound::MaxError(0.9))
+        }),
+        ("i32-rows", "96 x 96 in rows that are walks and often stay: copies in serial passes", {
+            file(96, 96, 128, Cells::I32(walk), None, Bound::Lossless)
+        }),
+        ("usual-coarseness", "2 x 2, the usual coarseness written out", usual),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! Files that every reader rejects: each breaks one requirement, and all checksums after the damage are right.
 
-use crate::accepted::Vector;
-use crate::case::{Case, noise};
+use crate::accepted::{Vector, resampled};
+use crate::case::{Case, cells, noise};
 use crate::parts::{FOOTER, Parts, entry};
 use crate::tile_bits::{Bits, file, header, part};
 use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
@@ -12,7 +12,7 @@ const INDX: usize = 1;
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [frame(), sections(), tile_headers(), tile_bodies()].concat()
+    [frame(), sections(), tile_headers(), tile_bodies(), endings()].concat()
 }
 
 /// 2 x 2 cells of `u8` in one tile.
@@ -209,6 +209,8 @@ fn sections() -> Vec<Vector> {
         }),
         // The texts m and nothing, and bytes more; a unit that has no end.
         ("r024-longer", "texts that go on", meta(&[2, 2, 1, 1, 1, 0, 0x80, 0, 0x1b, 0xe9, 1, 1, 1, 1])),
+        // The same with a byte that says nothing: zeros follow anyway.
+        ("r024-zero", "texts with a zero byte after their end", { meta(&[2, 2, 1, 1, 1, 0, 0x80, 0, 0x1b, 0xe9, 0]) }),
         ("r024-cut", "texts that end early", meta(&[2, 2, 1, 1, 1, 0, 0x80, 0, 0x00])),
     ]);
     many
@@ -229,7 +231,7 @@ fn tile_headers() -> Vec<Vector> {
     let start = |meaning: u64| Bits::default().bits(0, 2).bits(meaning, 3).signed(10, 7);
     let plain = |meaning: u64| start(meaning).number(0, 0).bits(0, 7).number(2, 0);
     let (u8s, f32s) = ([0].as_slice(), [6].as_slice());
-    let seeded = header(4, 1).bits(0, 1).signed(4, 0);
+    let seeded = header(4, 1).bits(0, 2).signed(4, 0);
     let [first, .., last] = self::plain().segments;
     let of = |segments: [Vec<u8>; 4]| file(2, 2, u8s, segments);
     vec![
@@ -244,12 +246,18 @@ fn tile_headers() -> Vec<Vector> {
         ("r025-empty", "the last segment is empty although the tile has a range", {
             of([first.clone(), vec![], vec![], vec![]])
         }),
+        ("r025-long", "a length in a longer form than it needs", {
+            of([[&[0x80 | first[0], 0], &first[1..]].concat(), vec![], vec![], last.clone()])
+        }),
+        ("r025-no-level", "a segment although there is no level for it", {
+            of([first.clone(), vec![0, 0], vec![], last.clone()])
+        }),
         ("r025-raw", "no length of the raw bits", of([part(&seeded.bytes()), vec![], vec![], last])),
         ("r026-header", "side bits that end within the tile header", lone(u8s, &Bits::default().bits(0, 8))),
         ("r026-none", "no side bits", lone(u8s, &Bits::default())),
         ("r026-filter", "side bits that end within a filter", {
             let [first, ..] = self::plain().segments;
-            let side = Bits::default().bits(0, 1).bits(3, 3).bits(1, 1).bits(0, 1).signed(5, 1);
+            let side = Bits::default().bits(0, 2).bits(3, 3).bits(1, 1).bits(0, 1).signed(5, 1);
             of([first, vec![], vec![], [part(&side.bytes()), part(&[]), vec![0; 4]].concat()])
         }),
         ("r027-range-bits", "65 range bits", lone(u8s, &start(0).number(0, 0).bits(65, 7).number(2, 0))),
@@ -258,18 +266,32 @@ fn tile_headers() -> Vec<Vector> {
         ("r027-grid", "a denominator of 2^32", lone(f32s, &plain(1).number(0, 0).number(6, 0xffff_ffff))),
         ("r027-no-list", "a list of no values", lone(u8s, &plain(4).number(4, 0))),
         ("r027-list", "a list of 16,385 values", lone(u8s, &plain(4).number(4, 16_385).bits(0, 32))),
+        ("r027-coarseness", "errors coarsened by 16 bits, words of 32", {
+            lone(u8s, &header(4, 1).bits(1, 1).bits(16, 6).bits(0, 1).signed(4, 0))
+        }),
+        ("r027-coarseness-wide", "errors coarsened by 48 bits, words of 64", {
+            lone(u8s, &header(40, 1).bits(1, 1).bits(48, 6).bits(0, 1).signed(40, 0))
+        }),
         ("r028-reserved", "meaning 5", lone(u8s, &plain(5))),
         ("r028-grid", "a grid of integers", lone(u8s, &plain(1).number(0, 0).number(6, 0))),
         ("r028-list", "a list of floats", lone(f32s, &plain(4).number(4, 1).signed(10, 0))),
         ("r029-list", "a list that goes beyond 2^63 - 1", {
             lone(u8s, &plain(4).number(4, 2).signed(10, i64::MAX).number(1, 0))
         }),
-        ("r032-shift", "tables shifted by 4", last_pass(Bits::default().bits(0, 1).bits(7, 3))),
+        ("r036-voids", "voids of integers without a nodata value", {
+            lone(
+                u8s,
+                &Bits::default().bits(3, 2).bits(0, 1).bits(0, 3).signed(10, 7).number(0, 0).bits(0, 7).number(2, 0),
+            )
+        }),
+        ("r037-step", "a step of 3 in a lossless band", { lone(u8s, &start(0).number(0, 0).bits(0, 7).number(2, 1)) }),
+        ("r037-fixed", "meaning fixed in a lossless band", lone(f32s, &plain(2).bits(0, 16))),
+        ("r032-shift", "tables shifted by 4", last_pass(Bits::default().bits(0, 2).bits(7, 3))),
         ("r032-weight", "a weight of 8192", {
-            last_pass(Bits::default().bits(0, 1).bits(3, 3).bits(1, 1).bits(0, 1).signed(5, 9000))
+            last_pass(Bits::default().bits(0, 2).bits(3, 3).bits(1, 1).bits(0, 1).signed(5, 9000))
         }),
         ("r032-code", "code 42 of an error weight", {
-            let side = Bits::default().bits(0, 1).bits(3, 3).bits(0, 3).bits(1, 1).bits(42, 6);
+            let side = Bits::default().bits(0, 2).bits(3, 3).bits(0, 3).bits(1, 1).bits(42, 6);
             last_pass(side)
         }),
     ]
@@ -308,19 +330,18 @@ fn tile_bodies() -> Vec<Vector> {
     let coin: Vec<u8> = noise(21).map(|bits| (bits >> 63) as u8).take(64 * 64).collect();
     let rule = BandRule { sample: SampleType::U8, nodata: Some(1), bound: Bound::Lossless };
     let masked = encode_tile(&Cells::U8(coin), TileShape { width: 64, height: 64 }, &rule).expect("encodes");
-    // The last segment has no side bits: a byte of 0, the mask's length, the mask.
+    // The last segment has no side bits.
     let mask = |change: &dyn Fn(&mut Vec<u8>)| {
         let mut segments = masked.segments.clone();
-        let skip = 1 + segments[3][1..].iter().position(|byte| byte & 0x80 == 0).expect("a varint ends") + 1;
-        let mut bytes = segments[3][skip..].to_vec();
+        let mut bytes = parts_of(&segments[3], 2).swap_remove(1);
         change(&mut bytes);
         segments[3] = [vec![0], part(&bytes)].concat();
         file(64, 64, &[8, 1], segments)
     };
     // A void of one cell: no symbols.
     let no_symbols = |symbols: &[u8]| {
-        let side = Bits::default().bits(1, 1).bits(1, 1).bits(0, 2).bits(0, 3).signed(10, 0).number(0, 0);
-        let side = side.bits(4, 7).number(2, 0).bits(0, 1).signed(4, 0);
+        let side = Bits::default().bits(3, 2).bits(0, 1).bits(0, 3).signed(10, 0).number(0, 0);
+        let side = side.bits(4, 7).number(2, 0).bits(0, 2).signed(4, 0);
         file(
             1,
             1,
@@ -330,6 +351,13 @@ fn tile_bodies() -> Vec<Vector> {
     };
     vec![
         ("r030-longer", "a mask that goes on", mask(&|bytes| bytes.extend([1; 8]))),
+        ("r030-zero", "a mask with a zero byte after its end", mask(&|bytes| bytes.push(0))),
+        ("r030-ending", "a mask whose end could be shorter", {
+            mask(&|bytes| {
+                *bytes.last_mut().expect("a byte") -= 1;
+                bytes.push(0xff);
+            })
+        }),
         ("r030-cut", "a mask that ends early", mask(&|bytes| bytes.truncate(20))),
         ("r031-count", "5 patches of 4 cells", patches(Bits::default().number(2, 5).bits(0, 32))),
         ("r031-outside", "a patch beyond the tile", patches(Bits::default().number(2, 1).number(8, 4).bits(1, 8))),
@@ -350,5 +378,70 @@ fn tile_bodies() -> Vec<Vector> {
             }),
         ),
         ("r033-none", "symbols where there are none", no_symbols(&[0, 0, 1, 0])),
+    ]
+}
+
+/// What a segment's parts are, `counted` of them with their lengths, and the rest.
+fn parts_of(segment: &[u8], counted: usize) -> Vec<Vec<u8>> {
+    let (mut parts, mut rest) = (vec![], segment);
+    for _ in 0..counted {
+        let end = rest.iter().position(|byte| byte & 0x80 == 0).expect("a varint ends");
+        let length = rest[..=end].iter().rev().fold(0, |length, byte| length << 7 | usize::from(byte & 0x7f));
+        let (part, after) = rest[end + 1..].split_at(length);
+        parts.push(part.to_vec());
+        rest = after;
+    }
+    parts.push(rest.to_vec());
+    parts
+}
+
+/// Parts that do not end as they should.
+fn endings() -> Vec<Vector> {
+    // The last segment with another part; the last of the parts has no length of its own.
+    let with = |cells: &Cells,
+                shape: TileShape,
+                record: &[u8],
+                counted: usize,
+                place: usize,
+                change: &dyn Fn(&mut Vec<u8>)| {
+        let rule = BandRule { sample: cells.sample(), nodata: None, bound: Bound::Lossless };
+        let mut segments = encode_tile(cells, shape, &rule).expect("encodes").segments;
+        let mut parts = parts_of(&segments[3], counted);
+        assert!(place == 0 || !parts[place].is_empty(), "the part is there");
+        change(&mut parts[place]);
+        let last = parts.pop().expect("the rest");
+        segments[3] = parts.iter().flat_map(|bytes| part(bytes)).chain(last).collect();
+        file(shape.width, shape.height, record, segments)
+    };
+    let resampled = resampled(64, 64, 13, 0.7).iter().map(|&z| z as f32).collect();
+    let (resampled, square) = (Cells::F32(resampled), TileShape { width: 64, height: 64 });
+    // Side bits, copies, raw bits, symbols.
+    let copies = |change: &dyn Fn(&mut Vec<u8>)| with(&resampled, square, &[6], 3, 1, change);
+    let (wild, small) = (cells(SampleType::U32, 180, 9), TileShape { width: 20, height: 9 });
+    let raw = |change: &dyn Fn(&mut Vec<u8>)| with(&wild, small, &[4], 2, 1, change);
+    let side = |change: &dyn Fn(&mut Vec<u8>)| with(&wild, small, &[4], 2, 0, change);
+    let last_bit = |bytes: &mut Vec<u8>| *bytes.last_mut().expect("a byte") |= 0x80;
+    let one_value = |filling: u64| {
+        let side = Bits::default().bits(0, 2).bits(0, 3).signed(10, 7).number(0, 0).bits(0, 7).number(2, 0);
+        lone(&[0], &side.bits(filling, 8))
+    };
+    vec![
+        ("r034-longer", "copies that go on", copies(&|bytes| bytes.extend([1; 8]))),
+        ("r034-zero", "copies with a zero byte after their end", copies(&|bytes| bytes.push(0))),
+        (
+            "r034-ending",
+            "copies whose end could be shorter",
+            copies(&|bytes| {
+                *bytes.last_mut().expect("a byte") -= 1;
+                bytes.push(0xff);
+            }),
+        ),
+        ("r034-cut", "copies that end early", copies(&|bytes| bytes.truncate(20))),
+        ("r035-side", "a byte after the side bits", side(&|bytes| bytes.push(0))),
+        ("r035-side-filling", "side bits whose last byte is not filled up with zeros", side(&last_bit)),
+        ("r035-raw", "a byte after the raw bits", raw(&|bytes| bytes.push(0))),
+        ("r035-raw-filling", "raw bits whose last byte is not filled up with zeros", raw(&last_bit)),
+        ("r035-one-value", "a byte after the side bits of a tile of one value", one_value(0)),
+        ("r035-one-value-filling", "a tile of one value whose side bits are filled up with ones", one_value(0xe0)),
     ]
 }

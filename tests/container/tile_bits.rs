@@ -45,7 +45,8 @@ pub fn part(bytes: &[u8]) -> Vec<u8> {
     [varint(bytes.len()).as_slice(), bytes].concat()
 }
 
-/// A tile header of whole numbers without voids or patches: least, factor, range bits, step; serial and seed follow.
+/// A tile header of whole numbers without voids or patches: least, factor, range bits, step; what follows when there
+/// are range bits: coarseness, copies (when the step is 1), seed.
 pub fn header(range_bits: u64, step: u64) -> Bits {
     Bits::default().bits(0, 2).bits(0, 3).signed(10, 0).number(0, 0).bits(range_bits, 7).number(2, step / 2)
 }

@@ -83,5 +83,23 @@ class RangeDecoder:
     def is_beyond(self):
         return self.taken > len(self.data) + 4
 
-    def is_done(self):
-        return self.taken >= len(self.data)
+    def is_whole(self):
+        """Whether an encoder would have ended the same bits with these bytes."""
+        count = next(n for n in range(5) if self.first(n) >= self.low)
+        return self.value == self.first(count) and len(self.data) == self.taken - 4 + count
+
+    def first(self, count):
+        return self.high & U32 << 32 - 8 * count & U32
+
+
+class Chances:
+    """Bits whose probabilities follow the bits before them."""
+
+    def __init__(self, data):
+        self.coder = RangeDecoder(data, 16)
+
+    def bit(self, chances, index):
+        p = chances[index]
+        bit = self.coder.bit(p)
+        chances[index] += (65535 - p) >> 5 if bit else -(p >> 5)
+        return bit

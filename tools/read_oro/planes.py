@@ -1,8 +1,8 @@
-"""Planes of a level, their taps, and the mask of voids."""
+"""Planes of a level, their taps, the mask of voids, and copies."""
 
 import numpy as np
 
-from basics import SEEN, RangeDecoder, require
+from basics import SEEN, Chances, require
 
 FRAME = 4
 C, H, V = 0, 1, 2
@@ -53,6 +53,11 @@ class Known:
         plane, down, right = tap
         return self.planes[plane][FRAME + row + down, FRAME + right :][: self.width]
 
+    def all(self, tap):
+        """The tap of all cells, of a plane that is whole."""
+        plane, down, right = tap
+        return self.planes[plane][FRAME + down :, FRAME + right :][: self.height, : self.width]
+
     def begin_row(self, row):
         """Sets the cells left of the row."""
         self.planes["O"][FRAME + row, :FRAME] = self.planes["A"][FRAME + row, FRAME]
@@ -79,19 +84,13 @@ def join(a, c, h, v):
     return level
 
 
-class Mask:
+class Mask(Chances):
     """The voids of the levels of a segment."""
 
     def __init__(self, data):
-        self.coder = RangeDecoder(data, 16)
+        super().__init__(data)
         self.runs = [[32768] * 2 for _ in range(3)]
         self.cells = [[32768] * 20 for _ in range(3)]
-
-    def bit(self, chances, index):
-        p = chances[index]
-        bit = self.coder.bit(p)
-        chances[index] += (65535 - p) >> 5 if bit else -(p >> 5)
-        return bit
 
     def plane(self, kind, known):
         for row in range(known.height):
@@ -122,3 +121,49 @@ class Mask:
             made[kind] = self.plane(kind, Known(a, made[C], made[H], *plane_size(kind, width, height)))
         require(30, not self.coder.is_beyond())
         return made
+
+
+class Copies(Chances):
+    """The cells of a segment that repeat one of their nearest four."""
+
+    def __init__(self, data):
+        super().__init__(data)
+        self.copy = [[32768] * 20 for _ in range(3)]
+        self.which = [[32768] * 3 for _ in range(5)]
+
+    def plane(self, kind, known, voids):
+        """Which cells of a pass are copies, and what they hold."""
+        copied = np.zeros((known.height, known.width), np.uint8)
+        cells = np.zeros((known.height, known.width), np.int64)
+        above = [0] * known.width
+        for row in range(known.height):
+            near = zip(*(known.run(tap, row).tolist() for tap in TAPS[kind][:4]))
+            left = 0
+            for col, four in enumerate(near):
+                if voids is not None and voids[row, col]:
+                    left = above[col] = 0
+                    continue
+                alike, values = values_of(four)
+                left = self.bit(self.copy[kind], 4 * alike + 2 * above[col] + left)
+                above[col] = left
+                if left:
+                    k = 0
+                    while k < len(values) - 1 and not self.bit(self.which[alike], k):
+                        k += 1
+                    copied[row, col], cells[row, col] = 1, values[k]
+        require(34, not self.coder.is_beyond())
+        return copied, cells
+
+
+def values_of(four):
+    """How four cells are alike, and their values: the most frequent first, the others as they come."""
+    values = list(dict.fromkeys(four))
+    if len(values) == 4:
+        return 0, values
+    most = max(values, key=four.count)
+    if len(values) == 2:
+        alike = four.count(most)
+    else:
+        alike = 4 if len(values) == 1 else 1
+    values.remove(most)
+    return alike, [most, *values]

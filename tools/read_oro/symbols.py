@@ -35,6 +35,10 @@ class Bits:
         n = self.number(order)
         return n >> 1 if n & 1 == 0 else -(n + 1 >> 1)
 
+    def finish(self):
+        """Nothing but the zeros that fill the last byte may be left."""
+        require(35, self.end - self.at < 8 and not self.bits(self.end - self.at))
+
 
 @functools.cache
 def table_set():
@@ -44,7 +48,7 @@ def table_set():
 @functools.cache
 def shipped_filter(serial, kind, variant):
     """Weights of taps and codes of error weights."""
-    at = 448 * 128 + ((serial * 3 + kind) * 4 + variant) * 61
+    at = 576 * 128 + ((serial * 3 + kind) * 4 + variant) * 61
     found = table_set()[at : at + 61]
     return np.frombuffer(found[:52], "<i2").tolist(), list(found[52:])
 
@@ -78,21 +82,35 @@ class Symbols:
         self.state = np.frombuffer(data[: 4 * lanes], "<u4").tolist()
         self.refills = np.frombuffer(data[4 * lanes :], "<u2").tolist()
         self.taken = self.lane = 0
+        self.any = False
 
     def symbol(self, table):
-        freq, cutoff, other, offset = alias_table(table)
-        x = self.state[self.lane]
-        s, place = x >> 8 & 63, x & 255
-        if place >= cutoff[s]:
-            s, place = other[s], place + offset[s]
-        x = freq[s] * (x >> 14) + place
-        if x < 65536:
-            require(33, self.taken < len(self.refills))
-            x = (x << 16) + self.refills[self.taken]
-            self.taken += 1
-        self.state[self.lane] = x
-        self.lane = (self.lane + 1) % len(self.state)
-        return s
+        return self.row((table,))[0]
+
+    def row(self, tables):
+        """As many symbols as there are tables."""
+        state, refills, taken, lane, lanes = self.state, self.refills, self.taken, self.lane, len(self.state)
+        found = []
+        for table in tables:
+            freq, cutoff, other, offset = alias_table(table)
+            x = state[lane]
+            s, place = x >> 8 & 63, x & 255
+            if place >= cutoff[s]:
+                s, place = other[s], place + offset[s]
+            x = freq[s] * (x >> 14) + place
+            if x < 65536:
+                require(33, taken < len(refills))
+                x = (x << 16) + refills[taken]
+                taken += 1
+            state[lane] = x
+            lane += 1
+            if lane == lanes:
+                lane = 0
+            found.append(s)
+        self.taken, self.lane = taken, lane
+        self.any |= bool(found)
+        return found
 
     def finish(self):
         require(33, self.taken == len(self.refills) and all(x == 65536 for x in self.state))
+        SEEN.update({"no symbols"} if self.state and not self.any else ())

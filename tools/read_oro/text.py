@@ -126,7 +126,7 @@ def texts(data, count):
         require(23, len(model.history) - start <= 16 << 20)
         if model.partial == 1 and model.history[-1] == 0:
             count -= 1
-    require(24, coder.is_done())
+    require(24, coder.is_whole())
     try:
         return [text.decode() for text in bytes(model.history[start:-1]).split(b"\0")]
     except UnicodeDecodeError:

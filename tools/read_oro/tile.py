@@ -4,27 +4,29 @@ import numpy as np
 
 from basics import SEEN, Cursor, require
 from passes import TileRule, i64, refine
-from planes import Mask, join, plane_size
+from planes import Copies, Mask, join, plane_size
 from symbols import Bits, Symbols
 
 WHOLE, GRID, FIXED, ORDERED, LIST = range(5)
 
 
 class Header:
-    def __init__(self, side, dtype, nodata):
-        size = 8 * dtype.itemsize
+    def __init__(self, side, dtype, nodata, bound):
+        size, is_float = 8 * dtype.itemsize, dtype.kind == "f"
         self.top = self.void = None
         if side.bits(1):
-            self.top, own = side.bits(1), side.bits(1)
+            require(36, is_float or nodata)
+            self.top, own = side.bits(1), is_float and side.bits(1)
             SEEN.update({"own void"} if own else ())
             usual = {4: b"\0\0\xc0\x7f", 8: b"\0\0\0\0\0\0\xf8\x7f"}.get(dtype.itemsize)
             self.void = side.bits(size).to_bytes(size // 8, "little") if own else nodata or usual
         self.patched = side.bits(1)
         self.meaning = side.bits(3)
-        require(28, self.meaning in ((GRID, FIXED, ORDERED) if dtype.kind == "f" else (WHOLE, LIST)))
+        require(28, self.meaning in ((GRID, FIXED, ORDERED) if is_float else (WHOLE, LIST)))
         self.least, self.factor, self.range_bits = side.signed(10), side.number(0) + 1, side.bits(7)
         self.step = 2 * side.number(2) + 1
         require(27, self.factor < 1 << 64 and self.range_bits <= 64 and self.step < 1 << 33)
+        require(37, bound or (self.step == 1 and self.meaning != FIXED))
         if self.meaning == GRID:
             self.numerator, self.denominator = side.number(0) + 1, side.number(6) + 1
             require(27, max(self.numerator, self.denominator) < 1 << 32)
@@ -39,8 +41,15 @@ class Header:
             require(29, self.values[-1] < 1 << 63)
         SEEN.add(("whole", "grid", "fixed", "ordered", "list")[self.meaning])
         SEEN.update(name for name, has in (("factor", self.factor > 1), ("patches", self.patched)) if has)
-        self.serial = self.range_bits > 0 and side.bits(1)
-        self.seed = side.signed(min(self.range_bits, 60)) if self.range_bits else 0
+        self.coarseness = min(15, max(0, self.step.bit_length() - 6))
+        self.copies = self.seed = 0
+        if self.range_bits:
+            if side.bits(1):
+                SEEN.add("coarseness written out")
+                self.coarseness = side.bits(6)
+                require(27, self.coarseness <= (47 if self.range_bits > 31 else 15))
+            self.copies = self.step == 1 and side.bits(1)
+            self.seed = side.signed(min(self.range_bits, 60))
 
     def value(self, x, dtype, bound):
         """The cell that a number stands for, as a number of its type."""
@@ -90,18 +99,21 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
         levels = range(depth - 1, 2, -1) if number == 0 else range(3 - number, min(4 - number, depth))
         if number and not segments[number]:
             require(25, not levels or not (header.range_bits or header.patched))
-        if number and not segments[number] and (voids is None or not levels):
+        if number and not levels:
+            require(25, not segments[number])
+            continue
+        if number and not segments[number] and voids is None:
             continue
         # An empty segment is one whose parts are all empty.
         parts = Cursor(segments[number] or b"\0\0", 25)
         part = lambda: parts.take(parts.varint(5))
         side = Bits(part())
         if number == 0:
-            header = Header(side, dtype, nodata)
-            rule = TileRule(header.step, header.range_bits, header.serial)
+            header = Header(side, dtype, nodata, bound)
+            rule = TileRule(header.step, header.range_bits, header.coarseness)
             if header.range_bits:
-                SEEN.update({"serial" if rule.serial else "not serial", "64-bit words" if rule.wide else "32-bit words"})
-                SEEN.update({"coarse errors"} if rule.coarse else ())
+                SEEN.add("64-bit words" if rule.wide else "32-bit words")
+                SEEN.update(name for least, name in ((1, "coarse errors"), (16, "very coarse errors")) if rule.coarseness >= least)
             cells = np.array([[rule.word(header.seed)]], np.int64)
             errors = np.zeros((1, 1), np.int64)
             voids = None if header.void is None else np.array([[header.top]], np.uint8)
@@ -115,8 +127,11 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
                 level_voids = join(level_voids, *planes[-1])
                 if l >= level:
                     voids = level_voids
-            require(30, mask.coder.is_done())
-        if header.range_bits:
+            require(30, mask.coder.is_whole())
+        if not header.range_bits:
+            side.finish()
+        else:
+            copies = Copies(part()) if header.copies else None
             raw_bits = Bits(part())
             count = sum(w * h for l in levels for w, h in (plane_size(kind, *size(l)) for kind in range(3)))
             count -= sum(int(plane.sum()) for level_planes in planes for plane in level_planes)
@@ -124,8 +139,11 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             for place, l in enumerate(levels):
                 if l >= level:
                     holes = planes[place] if planes else None
-                    cells, errors = refine(cells, errors, holes, *size(l), side, rule, symbols, raw_bits)
+                    cells, errors = refine(cells, errors, holes, copies, *size(l), l, side, rule, symbols, raw_bits)
             if not levels or levels[-1] >= level:
+                side.finish()
+                require(34, copies is None or copies.coder.is_whole())
+                raw_bits.finish()
                 symbols.finish()
         require(25, parts.at == len(parts.data))
     if not header.range_bits:

@@ -7,7 +7,8 @@ from basics import SEEN
 # What the accepted vectors together have to show of the codec.
 FEATURES = {
     "whole", "grid", "fixed", "ordered", "list", "factor", "own void", "patches", "32-bit words", "64-bit words",
-    "coarse errors", "serial", "not serial", "filter of the set", "own filters", "two classes",
+    "coarse errors", "very coarse errors", "coarseness written out", "copies", "copies beside voids",
+    "copies in a serial pass", "copies in 64-bit words", "no symbols", "serial beside not serial", "serial", "not serial", "filter of the set", "own filters", "two classes",
     "error weights of the set", "own error weights", "shape 0", "shape 1", "escape", "raw bits", "run of voids",
     "1 state", "4 states", "8 states",
 }
