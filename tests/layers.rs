@@ -45,6 +45,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rstar", &["orometry", "pipeline"]),
     ("crc32c", &["oro"]),
     ("sha2", &["oro"]),
+    ("pulp", &["codec"]),
+    ("libc", &["main"]),
 ];
 
 /// Macros that only these modules may call.

@@ -91,7 +91,9 @@ fn text(result: &Value, source: &ContainerSource) -> String {
     };
     let bits = result["bits_per_cell"].as_f64().unwrap_or_default();
     line("format", format!("oro, version {}", reader.version()));
-    line("size", format!("{} x {} cells in {} bands", description.width, description.height, description.bands.len()));
+    let bands = description.bands.len();
+    let several = if bands > 1 { format!(" in {bands} bands") } else { String::new() };
+    line("size", format!("{} x {} cells{several}", description.width, description.height));
     line("bytes", format!("{}, {bits:.3} bits a cell", size_text(reader.file_length())));
     line("tiles", format!("{} x {} of {} x {2} cells", tiling.across(), tiling.down(), description.tile_side));
     let levels: Vec<String> = (0..=description.last_level())

@@ -7,7 +7,6 @@ use super::shared::{CommonOptions, MemoryOptions, OutputOptions, part_of, unit_o
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::io::raster::stored::StoredOptions;
-use crate::oro::DEFAULT_TILE_SIDE;
 use crate::pipeline::archive::encode::{EncodeJob, EncodeReport, run};
 use crate::pipeline::archive::{Promise, Target};
 use crate::units::parse_length_m;
@@ -36,9 +35,9 @@ pub(super) struct Encode {
     /// Greatest error of a cell; a bare number is metres, or the band's own unit where that is no length.
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     max_error: Option<String>,
-    /// Side of the tiles in cells: a multiple of 64 up to 4096.
-    #[arg(long, value_name = "CELLS", default_value_t = DEFAULT_TILE_SIDE)]
-    tile_size: usize,
+    /// Side of the tiles in cells: a multiple of 64 up to 4096 [default: 1024, less for longitudes and latitudes coarser than 1']
+    #[arg(long, value_name = "CELLS")]
+    tile_size: Option<usize>,
     #[command(flatten)]
     raster: StoredInput,
     #[command(flatten)]

@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// Draw a map of a DEM: hillshade and tints, with peaks, saddles and divides if their layers are given.
 ///
 /// The layers are those that `orograph peaks` writes, in any CRS. Where peaks and labels crowd, the most prominent
-/// are shown. A DEM much larger than the picture is averaged down while it is read, from overviews if it has them.
+/// are shown. A DEM much larger than the picture is averaged down while it is read, from overviews if it has them, or
+/// from a level of an .oro file with at least 4 x 4 samples a pixel.
 #[derive(Args, Clone, Debug)]
 #[command(
     allow_missing_positional = true,

@@ -1,5 +1,6 @@
 //! Encodes the levels of a tile.
 
+use super::bands::Bands;
 use super::bits::BitWriter;
 use super::context::{Asks, TileRule};
 use super::copies::{Still, Writing, code_copies};
@@ -17,14 +18,11 @@ use super::tile::{SEGMENTS, TileShape};
 use super::training::Fitted;
 use super::word::Word;
 use crate::error::Result;
-use std::ops::Range;
 
 /// Cells of a pass from which on filters are fitted.
 const FIT_FROM: usize = 600;
 /// Cells of which a sample of a pass consists, about.
 const SAMPLED: usize = 20_000;
-/// Rows of each band of a sample.
-const BAND: usize = 8;
 
 /// One segment in the making.
 #[derive(Default)]
@@ -69,7 +67,7 @@ struct Task<'a, W> {
 
 impl<'a, W: Word> Task<'a, W> {
     /// Runs the pass on rows of the plane.
-    fn run(&self, mut params: PassParams, bands: &[Range<usize>]) -> Coded<'a, W> {
+    fn run(&self, mut params: PassParams, bands: Bands) -> Coded<'a, W> {
         let size = (self.original.width, self.original.height);
         let mut taken = Taken::new(self.original, self.rule.step);
         let (cells, errors) =
@@ -78,7 +76,10 @@ impl<'a, W: Word> Task<'a, W> {
         (params.shape, params.shift) = (shape, shift);
         let mut side = BitWriter::default();
         params.write(&mut side, self.pass, self.level);
-        Coded { cost: cost + ((side.bits() as u64) << 8), params, taken, cells, errors }
+        // A sample stands for all rows, of which the parameters are written once.
+        let cost =
+            (u128::from(cost) * size.1 as u128 / bands.count(size.1) as u128) as u64 + ((side.bits() as u64) << 8);
+        Coded { cost, params, taken, cells, errors }
     }
 
     /// Filters for the passes of both kinds, or without serial ones: the best shipped ones, or fitted ones where they pay
@@ -139,28 +140,18 @@ impl<'a, W: Word> Task<'a, W> {
         }
     }
 
-    /// Rows that stand for all: all of a small plane, bands of a large one.
-    fn bands(&self) -> Vec<Range<usize>> {
-        let (width, height) = (self.original.width, self.original.height);
-        let count = (SAMPLED / (BAND * width)).max(1);
-        match height / BAND {
-            bands if bands < 2 * count => vec![0..height],
-            _ => (0..count).map(|k| (2 * k + 1) * (height - BAND) / (2 * count)).map(|row| row..row + BAND).collect(),
-        }
-    }
-
     /// Parts of the expected error and the error itself, of some of the cells that ran.
-    fn error_fit(&self, own: &Coded<'_, W>, bands: &[Range<usize>]) -> ErrorFit {
-        let width = self.original.width;
+    fn error_fit(&self, own: &Coded<'_, W>, bands: Bands) -> ErrorFit {
+        let (width, height) = (self.original.width, self.original.height);
         let mut rows = Vec::new();
-        let count: usize = bands.iter().map(|band| band.len() * width).sum();
+        let count = bands.count(height) * width;
         let stride = (count / 3000).max(1);
         let row_stride = stride.isqrt().max(1);
         let col_stride = stride.div_ceil(row_stride);
         let taps = self.pass.taps();
         let floor = floor_of(self.rule);
         // Nothing is known above the first row of a band.
-        for row in bands.iter().flat_map(|band| band.clone().skip(1).step_by(row_stride)) {
+        for (row, _) in bands.rows(height).filter(|&(_, first)| !first).step_by(row_stride) {
             for col in (2..width.saturating_sub(1)).step_by(col_stride) {
                 if self.still.is_some_and(|still| still.marks.row(row)[col] != 0) {
                     continue;
@@ -197,25 +188,24 @@ impl<'a, W: Word> Task<'a, W> {
             Some(true) => &[true],
             None => &[false, true],
         };
-        let all = [0..self.original.height];
-        let bands = self.bands();
+        let bands = Bands::of_cells(SAMPLED, self.original.width, self.original.height);
         let mut best: Option<Coded<'a, W>> = None;
         for params in self.filters(kinds) {
-            let coded = self.code_bands(params, &bands);
+            let coded = self.code_bands(params, bands);
             // Serial passes take longer to decode: they have to be worth it.
             if best.as_ref().is_none_or(|best| coded.cost + coded.cost / 256 < best.cost) {
                 best = Some(coded);
             }
         }
         match best {
-            Some(coded) if bands == all => coded,
-            Some(coded) => self.run(coded.params, &all),
-            None => self.run(PassParams::shipped(self.pass, false, 0), &all),
+            Some(coded) if bands == Bands::All => coded,
+            Some(coded) => self.run(coded.params, Bands::All),
+            None => self.run(PassParams::shipped(self.pass, false, 0), Bands::All),
         }
     }
 
     /// Codes a sample, with weights of errors that fit it where they are worth their bits there.
-    fn code_bands(&self, params: PassParams, bands: &[Range<usize>]) -> Coded<'a, W> {
+    fn code_bands(&self, params: PassParams, bands: Bands) -> Coded<'a, W> {
         let first = self.run(params, bands);
         if self.original.width * self.original.height < 4 * FIT_FROM {
             return first;

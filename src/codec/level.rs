@@ -1,5 +1,6 @@
 //! Levels of a tile: from one cell to all of them, each level from the coarser one in three passes.
 
+use super::bands::Bands;
 use super::binary::BinaryDecoder;
 use super::bits::{BitReader, BitWriter};
 use super::context::{Ask, Asks, TileRule};
@@ -258,7 +259,7 @@ pub(super) fn decode_segment<W: Word>(
                 None => hole.map(|marks| Still { marks, copies: None }),
             };
             let params = PassParams::read(side, pass, l)?;
-            Ok(run_pass(pass, size, cells, errors, still, &params, rule, &[0..size.1], &mut reading))
+            Ok(run_pass(pass, size, cells, errors, still, &params, rule, Bands::All, &mut reading))
         })?;
         if l == finest {
             refined.rows(|row| restored.push(row));

@@ -4,6 +4,7 @@
 //! [`SEGMENTS`] byte strings, coarse to fine; [`decode_tile`] needs the first of them for a coarse level and all for
 //! the cells themselves. `format-spec/oro.md` describes the bytes.
 
+mod bands;
 mod binary;
 mod bits;
 mod cells;

@@ -4,6 +4,7 @@
 //! prepared whole, in loops without dependences; what depends on the cell to the left (serial passes) is added cell by
 //! cell.
 
+use super::bands::Bands;
 use super::context::{Asks, TileRule, context_of, contexts_of};
 use super::copies::{COPY, Still};
 use super::params::{ERROR_WEIGHTS, PassParams};
@@ -169,7 +170,7 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
     still: Option<Still<'_, W>>,
     params: &PassParams,
     rule: TileRule,
-    bands: &[std::ops::Range<usize>],
+    bands: Bands,
     residuals: &mut R,
 ) -> (Plane<W>, Plane<u16>) {
     super::vectors::widest(
@@ -188,7 +189,7 @@ fn run<W: Word, R: Residuals<W>>(
     still: Option<Still<'_, W>>,
     params: &PassParams,
     rule: TileRule,
-    bands: &[std::ops::Range<usize>],
+    bands: Bands,
     residuals: &mut R,
 ) -> (Plane<W>, Plane<u16>) {
     let mut own = Plane::<W>::new(width, height);
@@ -212,7 +213,7 @@ fn run<W: Word, R: Residuals<W>>(
     };
     let taps = pass.taps();
     let [w_above, w_left, w_left2] = [params.weights[5], params.weights[6], params.weights[7]];
-    for (row, first) in bands.into_iter().flat_map(|band| band.clone().map(move |row| (row, row == band.start))) {
+    for (row, first) in bands.rows(height) {
         if first {
             for above in [row as isize - 1, row as isize - 2] {
                 let row = row as isize;
@@ -353,7 +354,7 @@ fn run<W: Word, R: Residuals<W>>(
         let last_error = error_line[FRAME + width - 1];
         error_line[FRAME + width..].fill(last_error);
     }
-    if bands == [0..height] {
+    if bands == Bands::All {
         own.close();
         own_errors.close();
     }

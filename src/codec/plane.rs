@@ -118,7 +118,7 @@ impl<T: Copy + Default> Plane<T> {
     /// One row of the level that the four planes make up.
     #[inline]
     fn weave([a, c, h, v]: [&Self; 4], row: usize, cells: &mut [T]) {
-        let (even, odd) = if row % 2 == 0 { (a, h) } else { (v, c) };
+        let (even, odd) = if row.is_multiple_of(2) { (a, h) } else { (v, c) };
         let (even, odd) = (even.row(row / 2), if odd.is_empty() { &[] } else { odd.row(row / 2) });
         let (pairs, last) = cells.as_chunks_mut::<2>();
         for ((pair, &even), &odd) in pairs.iter_mut().zip(even).zip(odd) {

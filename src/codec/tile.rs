@@ -340,7 +340,7 @@ fn finish<W: Word>(
 
 /// How much errors are coarsened: as usual for the step, unless cells are far from the mean of their neighbours; then so
 /// that nine of ten errors stay well below the limit.
-fn coarseness_of(xs: &[i64], voids: &[u8], width: usize, step: i64) -> u32 {
+pub(super) fn coarseness_of(xs: &[i64], voids: &[u8], width: usize, step: i64) -> u32 {
     let mut far: Vec<u64> = Vec::new();
     let rows: Vec<&[i64]> = xs.chunks_exact(width).collect();
     let stride = (rows.len() / 64).max(1);

@@ -1,11 +1,11 @@
 //! What a trainer of tables needs of the encoder: `tools/train` is its only user.
 
 use super::Cells;
-use super::context::{TileRule, usual_coarseness};
+use super::context::{TileRule, greatest_coarseness};
 use super::encode::{Pyramid, TileEncoder};
 use super::level::levels;
 use super::mask::void_levels;
-use super::tile::{BandRule, TileShape};
+use super::tile::{BandRule, TileShape, coarseness_of};
 use super::values::{Mapped, find_voids, map_cells};
 use crate::error::Result;
 
@@ -47,7 +47,8 @@ pub fn observe(cells: &Cells, shape: TileShape, rule: &BandRule, serial: bool) -
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(&voids, shape, levels) };
     let pyramid = Pyramid::<i32>::new(&xs, shape, levels, &holes);
-    let rule = TileRule { step: mapping.step, coarseness: usual_coarseness(mapping.step) };
+    let coarseness = coarseness_of(&xs, &voids, shape.width, mapping.step).min(greatest_coarseness(mapping.range_bits));
+    let rule = TileRule { step: mapping.step, coarseness };
     let mut coded = TileEncoder::new(&pyramid, rule);
     coded.serial = Some(serial);
     coded.observed = Some(Default::default());

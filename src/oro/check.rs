@@ -10,7 +10,7 @@ use super::source::RangeRead;
 use super::tiling::Place;
 use super::window::Window;
 use crate::codec::{SEGMENTS, TOP_LEVEL};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::watch::Watch;
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -80,6 +80,9 @@ impl fmt::Display for Fault {
     }
 }
 
+/// What looks at one chunk and tells its faults; see [`Reader::check_by`].
+pub type Look<'a> = dyn Fn(&ChunkBytes) -> Vec<Fault> + Sync + 'a;
+
 impl<R: RangeRead> Reader<R> {
     /// Reads the whole file in its order, compares every checksum and the hash, and decodes every tile.
     ///
@@ -88,6 +91,19 @@ impl<R: RangeRead> Reader<R> {
     /// # Errors
     /// When the source cannot be read or the watch is cancelled; damage is no error but a [`Fault`].
     pub fn check(&self, watch: &Watch) -> Result<CheckReport> {
+        self.check_by(watch, &|chunks, look| chunks.iter().flat_map(look).collect())
+    }
+
+    /// [`Reader::check`] with tiles looked at in the caller's way, on threads for example: `each` is handed chunks
+    /// that lie side by side and has to give back what the look at each of them tells, in the order of the chunks.
+    ///
+    /// # Errors
+    /// As [`Reader::check`].
+    pub fn check_by(
+        &self,
+        watch: &Watch,
+        each: &dyn Fn(&[ChunkBytes], &Look<'_>) -> Vec<Fault>,
+    ) -> Result<CheckReport> {
         let length = self.file_length();
         watch.begin("checking", length);
         let mut report = CheckReport { bytes: length, ..CheckReport::default() };
@@ -100,7 +116,19 @@ impl<R: RangeRead> Reader<R> {
             Ok(_) => report.fault(FaultPlace::Header, 0, "version or flags are not those of the footer"),
             Err(error) => report.fault(FaultPlace::Header, 0, error.message()),
         }
-        self.check_area(&self.tiles, &mut sum, watch, &mut report, FaultPlace::Tile)?;
+        let tiles = &self.tiles;
+        let look = |chunk: &ChunkBytes| {
+            // Nobody waits for the rest of a check that was cancelled.
+            let faults = if watch.check().is_ok() { faults_of(tiles, chunk, FaultPlace::Tile) } else { Vec::new() };
+            // Cancelling is noticed when the run is over.
+            let _ = watch.advance(chunk.bytes.len() as u64);
+            faults
+        };
+        self.check_area(tiles, &mut report, &mut |chunks| {
+            chunks.iter().for_each(|chunk| sum.update(&chunk.bytes));
+            let faults = each(chunks, &look);
+            watch.check().map(|()| faults)
+        })?;
 
         for section in &self.sections {
             let mut checksum = 0;
@@ -119,7 +147,8 @@ impl<R: RangeRead> Reader<R> {
         }
         if let Some(overview) = &self.overview {
             let before = report.faults.len();
-            self.check_area(overview, &mut Sha256::new(), &Watch::default(), &mut report, FaultPlace::Overview)?;
+            let look = |chunk: &ChunkBytes| faults_of(overview, chunk, FaultPlace::Overview);
+            self.check_area(overview, &mut report, &mut |chunks| watch.check().map(|()| each(chunks, &look)))?;
             if report.faults.is_empty() && before == 0 {
                 self.compare_overview(&mut report)?;
             }
@@ -133,26 +162,22 @@ impl<R: RangeRead> Reader<R> {
         Ok(report)
     }
 
+    /// Reads the chunks of an area, as many at once as make a run, and gathers their faults.
     fn check_area(
         &self,
         area: &Area,
-        sum: &mut Sha256,
-        watch: &Watch,
         report: &mut CheckReport,
-        at: fn(Place, Option<usize>) -> FaultPlace,
+        faults_of: &mut dyn FnMut(&[ChunkBytes]) -> Result<Vec<Fault>>,
     ) -> Result<()> {
         let mut next = 0;
         while next < area.index.chunks() {
             // As many chunks as make a run: all of them at once would be a list as long as the raster is large.
             let some = area.runs(next..area.index.chunks().min(next + 256), SEGMENTS);
             for run in some {
-                next += run.chunks.len() as u64;
-                for chunk in area.read(&self.source, &run, SEGMENTS)? {
-                    sum.update(&chunk.bytes);
-                    watch.advance(chunk.bytes.len() as u64)?;
-                    report.chunks += 1;
-                    check_chunk(area, &chunk, report, at);
-                }
+                let chunks = area.read(&self.source, &run, SEGMENTS)?;
+                report.faults.extend(faults_of(&chunks)?);
+                report.chunks += chunks.len() as u64;
+                next += chunks.len() as u64;
             }
         }
         Ok(())
@@ -190,22 +215,19 @@ impl CheckReport {
 }
 
 /// Faults of one chunk: those of its checksums, else what the codec says.
-fn check_chunk(area: &Area, chunk: &ChunkBytes, report: &mut CheckReport, at: fn(Place, Option<usize>) -> FaultPlace) {
-    let offset = |segments: usize| area.range(area.chunk(chunk.place), segments);
+fn faults_of(area: &Area, chunk: &ChunkBytes, at: fn(Place, Option<usize>) -> FaultPlace) -> Vec<Fault> {
+    let range = |segments: usize| area.range(area.chunk(chunk.place), segments);
     let damaged = chunk.segments().1;
-    for &segment in &damaged {
-        report.fault(
-            at(chunk.place, Some(segment)),
-            offset(segment).end,
-            "the checksum is wrong: the bytes are damaged",
-        );
+    if !damaged.is_empty() {
+        let fault = |segment| Fault {
+            place: at(chunk.place, Some(segment)),
+            offset: range(segment).end,
+            message: "the checksum is wrong: the bytes are damaged".into(),
+        };
+        return damaged.into_iter().map(fault).collect();
     }
-    if damaged.is_empty() {
-        for level in [0, TOP_LEVEL] {
-            if let Err(error) = chunk.decode(level) {
-                report.fault(at(chunk.place, None), offset(0).start, error.message());
-                break;
-            }
-        }
-    }
+    let broken = [0, TOP_LEVEL].into_iter().find_map(|level| chunk.decode(level).err());
+    let fault =
+        |error: Error| Fault { place: at(chunk.place, None), offset: range(0).start, message: error.message().into() };
+    broken.map(fault).into_iter().collect()
 }

@@ -60,7 +60,7 @@ mod tiling;
 mod window;
 mod writer;
 
-pub use check::{CheckReport, Fault, FaultPlace};
+pub use check::{CheckReport, Fault, FaultPlace, Look};
 pub use chunk::{Chunk, ChunkBytes, encode_chunk};
 pub use description::{
     Band, CellMeaning, DEFAULT_TILE_SIDE, Description, Georeference, MAX_BANDS, MAX_CHUNKS, MAX_LEVEL, MAX_SIDE,

@@ -1,6 +1,6 @@
 //! The job behind `orograph map`: from a DEM and the layers of its survey to a picture.
 
-use super::archive::open_dem;
+use super::archive::open_dem_coarse;
 use super::memory;
 use super::overlay::{ReadOverlay, read_overlay};
 use crate::crs::{Crs, Ellipsoid};
@@ -11,6 +11,9 @@ use crate::plot::map::{Map, MapOptions, Overlay, Relief, draw};
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+
+/// Samples of a coarse level for each pixel, down and across: a level's cells are no means, so the mean is of these.
+const SAMPLES: usize = 4;
 
 /// Where the sea is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,19 +83,27 @@ pub struct MapReport {
 /// Anything that is wrong with the inputs, the output or the options; then no file has changed.
 pub fn run(job: &MapJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<MapReport> {
     check_extension(&job.output)?;
-    let source = open_dem(&job.input, &job.raster, job.memory, watch)?;
-    let crs = source.crs.as_ref();
-    let sea_level_m = sea_level_m(job, crs)?;
-    let options = MapOptions {
+    let at_input = |error: Error| if error.kind() == ErrorKind::Usage { error } else { error.at_path(&job.input) };
+    let mut options = MapOptions {
         width_px: job.width_px,
         title: job.title.clone().filter(|text| !text.trim().is_empty()),
         source: job.source.clone().or_else(|| file_name(&job.input)).filter(|text| !text.trim().is_empty()),
-        sea_level_m,
+        sea_level_m: None,
         exaggeration: job.exaggeration,
     };
-    let at_input = |error: Error| if error.kind() == ErrorKind::Usage { error } else { error.at_path(&job.input) };
-    let [_, _, cols, rows] = source.window;
-    let (height, width) = options.relief_size(rows, cols, &source.transform, crs).map_err(at_input)?;
+    let relief_size = |options: &MapOptions, source: &RasterSource| {
+        let [_, _, cols, rows] = source.window;
+        options.relief_size(rows, cols, &source.transform, source.crs.as_ref()).map_err(at_input)
+    };
+    let needed = |source: &RasterSource| {
+        let (height, width) = relief_size(&options, source)?;
+        Ok((SAMPLES * height, SAMPLES * width))
+    };
+    let (source, size) = open_dem_coarse(&job.input, &job.raster, job.memory, watch, &needed)?;
+    let crs = source.crs.as_ref();
+    let sea_level_m = sea_level_m(job, crs)?;
+    options.sea_level_m = sea_level_m;
+    let (height, width) = relief_size(&options, &source)?;
     let output = Output::begin(&job.output, job.overwrite)?;
     let needed = memory::map_bytes(height as u64 * width as u64);
     let budget = job.memory.unwrap_or_else(memory::free_bytes);
@@ -115,7 +126,7 @@ pub fn run(job: &MapJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Ma
     let begun = Instant::now();
     write(output, &map)?;
     Ok(MapReport {
-        size: (rows, cols),
+        size,
         drawn,
         picture: map.size,
         peaks: (map.peaks_there, map.peaks_drawn),

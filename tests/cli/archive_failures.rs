@@ -110,6 +110,17 @@ fn damaged_tiles() {
     let faults = document["result"]["faults"].as_array().expect("faults");
     assert!(document["result"]["sound"] == false && faults.iter().any(|fault| fault["tile"] == tile), "{document}");
 
+    // Threads change nothing of what is told, nor its order.
+    damage(&oro, Place { col: 0, row: 2, band: 0 });
+    let told = |threads: &str| Run::new(&["verify", &oro, "-j", threads]).stdout();
+    let one = told("1");
+    let places: Vec<&str> = one.lines().filter_map(|line| line.split(", segment").next()).collect();
+    let order = ["2, row 1", "0, row 2", "4, row 3"].map(|place| format!("tile column {place}, band 1"));
+    assert_eq!(places[..3], order, "{one}");
+    assert!(["2", "3", "8"].iter().all(|threads| told(threads) == one), "the same whatever the threads");
+    damage(&oro, Place { col: 0, row: 2, band: 0 });
+    assert!(!told("2").contains("row 2"), "sound again");
+
     let out = inside(&dir, "out.tif");
     let run = Run::new(&["decode", &oro, &out]);
     run.expect(3, "tile column 2, row 1, band 1");

@@ -1,6 +1,6 @@
 //! What `--help` shows as examples works as it stands.
 
-use super::{PROGRAM, Run, folder, listing, root};
+use super::{PROGRAM, Run, folder, link, listing, root};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -26,19 +26,6 @@ fn examples(verb: &str) -> Vec<String> {
     run.check(matches!(title, "Example:" | "Examples:"), "a title");
     run.check(lines.lines().all(|line| line.starts_with("  orograph ")), "nothing but command lines after it");
     lines.lines().map(|line| line.trim().to_string()).collect()
-}
-
-#[cfg(unix)]
-fn link(from: &Path, to: &Path) {
-    std::os::unix::fs::symlink(from, to).expect("a link to the fixtures");
-}
-
-#[cfg(not(unix))]
-fn link(from: &Path, to: &Path) {
-    fs::create_dir(to).expect("a folder for the fixtures");
-    for name in listing(from) {
-        fs::copy(from.join(&name), to.join(&name)).expect("a copy of a fixture");
-    }
 }
 
 #[test]

@@ -4,11 +4,16 @@
 
 mod archive;
 mod archive_failures;
+mod archive_info;
+mod archive_maps;
 mod examples;
 mod failures;
 mod interrupt;
 mod outputs;
 mod rasters;
+mod readme;
+#[path = "../schema/mod.rs"]
+mod schema;
 
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -44,6 +49,21 @@ fn listing(folder: &Path) -> Vec<String> {
         entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
+}
+
+/// Makes a folder seen under another name.
+#[cfg(unix)]
+fn link(from: &Path, to: &Path) {
+    std::os::unix::fs::symlink(from, to).expect("a link to the fixtures");
+}
+
+/// Makes a copy of a folder, where links are not for everybody.
+#[cfg(not(unix))]
+fn link(from: &Path, to: &Path) {
+    fs::create_dir(to).expect("a folder for the fixtures");
+    for name in listing(from) {
+        fs::copy(from.join(&name), to.join(&name)).expect("a copy of a fixture");
+    }
 }
 
 /// One run of the program, over.

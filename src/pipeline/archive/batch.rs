@@ -1,10 +1,7 @@
 //! A raster in batches of whole tiles, as many as the memory takes.
 
-use super::super::memory::BatchNeeds;
+use super::super::memory::{BatchNeeds, CODEC_BYTES_PER_CELL};
 use crate::codec::Cells;
-
-/// Bytes that encoding or decoding a cell takes while its tile is worked on.
-const CODEC_BYTES_PER_CELL: u64 = 80;
 
 /// Bytes of cells that are worked on at once where the memory takes them: enough tiles for many threads.
 const BATCH_BYTES: u64 = 128 << 20;

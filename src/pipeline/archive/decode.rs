@@ -2,6 +2,7 @@
 
 use super::super::memory;
 use super::batch::Area;
+use super::compare::Written;
 use super::container::{ContainerOptions, ContainerSource};
 use super::stream::{ByteStream, Target};
 use crate::codec::Cells;
@@ -10,7 +11,7 @@ use crate::io::raster::stored::{Format, StoredTarget};
 use crate::watch::Watch;
 use crate::with_cells;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -75,7 +76,10 @@ pub fn run(job: &DecodeJob, target: Target<'_>, watch: &Watch, warn: &mut dyn Fn
             .map_err(|error| error.at_path(&job.input))?;
         let file = StoredTarget::begin(&path, overwrite, &format, &job.options, &source.record)?;
         file.notes.iter().for_each(|note| warn(note));
-        let (outputs, notes) = decoding.write(file, budget)?.finish()?;
+        let (outputs, mut notes) = decoding.write(file, budget)?.finish()?;
+        if !format.keeps_cells(&job.options) {
+            notes.extend(decoding.compare(&path, &format.name, budget)?);
+        }
         notes.iter().for_each(|note| warn(note));
         (format.name, outputs)
     };
@@ -115,6 +119,32 @@ impl Decoding<'_> {
             coming = read?;
         }
         Ok(file)
+    }
+
+    /// Reads a file that has been written, and tells whether its cells are others than those that went into it.
+    fn compare(&self, path: &Path, format: &str, budget: u64) -> Result<Option<String>> {
+        let record = &self.source.record;
+        let unknown = |reason: &str| {
+            format!(
+                "whether the format {format} keeps the cells is not known: the file cannot be read again ({reason})"
+            )
+        };
+        let mut written = match Written::open(path, record) {
+            Ok(written) if written.size() == (record.width, record.height) => written,
+            Ok(_) => return Ok(Some(unknown("it has another size"))),
+            Err(error) => return Ok(Some(unknown(error.message()))),
+        };
+        let bands: Vec<usize> = (0..record.bands.len()).collect();
+        self.watch.begin("comparing", record.height as u64 * record.width as u64);
+        for area in self.source.plan().batches(budget) {
+            let (cells, _) = self.read(area, &bands)?;
+            for (band, cells) in cells.iter().enumerate() {
+                if let Err(error) = written.compare(band, area, cells) {
+                    return Ok(Some(unknown(error.message())));
+                }
+            }
+        }
+        Ok(written.said(format))
     }
 
     /// Writes bare cells: band by band, each in rows of tiles, for a stream cannot go back.

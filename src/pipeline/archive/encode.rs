@@ -6,6 +6,7 @@ use super::input::Input;
 use super::promise::Promise;
 use super::record::description_of;
 use super::stream::{ByteStream, Target};
+use super::tile_side::tile_side_of;
 use crate::codec::{Bound, Cells};
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::raster::stored::StoredOptions;
@@ -28,8 +29,8 @@ pub struct EncodeJob {
     pub unit: Option<LengthUnit>,
     /// What is promised of the cells.
     pub promise: Promise,
-    /// Side of the tiles in cells.
-    pub tile_side: usize,
+    /// Side of the tiles in cells; what suits the raster unless given.
+    pub tile_side: Option<usize>,
     /// Bytes of memory that may be used; what is free unless given.
     pub memory: Option<u64>,
 }
@@ -66,12 +67,13 @@ pub fn run(
     }
     let at_input = |error: Error| error.at_path(&job.input);
     let bounds = job.promise.bounds(&record, job.unit.as_ref(), &mut |text| warn(&text)).map_err(at_input)?;
-    let description = description_of(&record, &bounds, job.tile_side);
+    let tile_side = job.tile_side.unwrap_or_else(|| tile_side_of(&record));
+    let description = description_of(&record, &bounds, tile_side);
     description.check()?;
     let plan = Plan {
         corner: [0, 0],
         size: [record.width, record.height],
-        side: job.tile_side,
+        side: tile_side,
         cell_bytes: record.bands.iter().map(|band| band.sample.bytes()).sum(),
     };
     let budget = memory::batch_budget(

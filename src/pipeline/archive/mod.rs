@@ -4,6 +4,7 @@
 //! read, or the last one written. What they write does not depend on threads or memory.
 
 mod batch;
+mod compare;
 mod container;
 pub mod decode;
 mod dem;
@@ -12,9 +13,10 @@ mod input;
 mod promise;
 mod record;
 mod stream;
+mod tile_side;
 pub mod verify;
 
 pub use container::{ContainerOptions, ContainerSource, is_container};
-pub use dem::open_dem;
+pub use dem::{open_dem, open_dem_coarse};
 pub use promise::Promise;
 pub use stream::Target;

@@ -23,6 +23,9 @@ pub struct Format {
 /// Formats that hold no cells of their own.
 const WITHOUT_CELLS: [&str; 4] = ["VRT", "MEM", "DERIVED", "WMS"];
 
+/// Formats that keep all cells of the types that they have.
+const FAITHFUL: [&str; 5] = ["GTiff", "COG", "ENVI", "EHdr", "HFA"];
+
 impl Format {
     /// The format of a name, or else the one that a file's extension stands for.
     ///
@@ -54,6 +57,18 @@ impl Format {
             )));
         }
         Ok(Self { name: short, is_written_in_parts: create })
+    }
+
+    /// Whether the format is known to keep all cells with these options. Of many others some types do not come back as
+    /// they went in, for which nothing but a look at the file helps.
+    pub fn keeps_cells(&self, options: &[(String, String)]) -> bool {
+        let loses = |(key, value): &(String, String)| {
+            let (key, value) = (key.to_ascii_uppercase(), value.to_ascii_uppercase());
+            let compresses =
+                key == "COMPRESS" && ["JPEG", "WEBP", "LERC", "JXL"].iter().any(|name| value.contains(name));
+            compresses || ["NBITS", "DISCARD_LSB"].contains(&key.as_str())
+        };
+        FAITHFUL.contains(&self.name.as_str()) && !options.iter().any(loses)
     }
 
     /// GeoTIFF.
