@@ -8,6 +8,8 @@ from symbols import shipped_filter
 
 BINS, RAW_FROM, SERIAL_UP_TO = 36, 32, 2
 LIMIT = 65535
+# When it is a list: what became of the first cell of each row.
+TRACE = None
 
 
 class TileRule:
@@ -181,7 +183,11 @@ def plain_row(base, deviation, expected, held, tables, rule, symbols, raw_bits):
     if rule.step <= 3:
         k = np.where(rests < 0, -k, k)
     jumps = w(w(k) * rule.step)
-    return w(base + rounded + jumps), rule.errors_of(jumps, rests)
+    cells, errors = w(base + rounded + jumps), rule.errors_of(jumps, rests)
+    if TRACE is not None:
+        shown = (base, rests, base + rounded, expected, rule.bins[places], asked, found, k, cells, errors)
+        TRACE.append([int(values[0]) for values in shown] + symbols.state[:1])
+    return cells, errors
 
 
 def serial_row(first, first_error, base, classes, deviation, expected, still, p, tables, rule, symbols, raw_bits):
@@ -205,9 +211,15 @@ def serial_row(first, first_error, base, classes, deviation, expected, still, p,
             v = max(wanted + left_weight * left_error + left2_weight * left2_error, 8)
             o = v.bit_length() - 4
             eighth = 8 * o + (v >> o & 7)
-            k = residual(symbols.symbol(tables[eighth] + BINS * kinds[rest + 512]), raws[eighth], raw_bits)
-            jump = w((-k if step <= 3 and rest < 0 else k) * step)
-            cell, error = w(cell + jump), rule.error_of(jump, rest)
+            table = tables[eighth] + BINS * kinds[rest + 512]
+            s = symbols.symbol(table)
+            k = residual(s, raws[eighth], raw_bits)
+            k = -k if step <= 3 and rest < 0 else k
+            jump = w(k * step)
+            cell, error, prediction = w(cell + jump), rule.error_of(jump, rest), cell
+            if TRACE is not None and not line:
+                shown = [b, rest, prediction, v, int(rule.bins[eighth]), table, s, k, cell, error]
+                TRACE.append(shown + symbols.state[:1])
         else:
             copy, error = at
             cell = cell if copy is None else copy

@@ -113,7 +113,8 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             rule = TileRule(header.step, header.range_bits, header.coarseness)
             if header.range_bits:
                 SEEN.add("64-bit words" if rule.wide else "32-bit words")
-                SEEN.update(name for least, name in ((1, "coarse errors"), (16, "very coarse errors")) if rule.coarseness >= least)
+                SEEN.update({"coarse errors"} if rule.coarseness else ())
+                SEEN.update({"very coarse errors"} if rule.coarseness > 15 else ())
             cells = np.array([[rule.word(header.seed)]], np.int64)
             errors = np.zeros((1, 1), np.int64)
             voids = None if header.void is None else np.array([[header.top]], np.uint8)

@@ -2,16 +2,27 @@
 
 import json
 
+import passes
 from basics import SEEN
 
 # What the accepted vectors together have to show of the codec.
 FEATURES = {
     "whole", "grid", "fixed", "ordered", "list", "factor", "own void", "patches", "32-bit words", "64-bit words",
     "coarse errors", "very coarse errors", "coarseness written out", "copies", "copies beside voids",
-    "copies in a serial pass", "copies in 64-bit words", "no symbols", "serial beside not serial", "serial", "not serial", "filter of the set", "own filters", "two classes",
-    "error weights of the set", "own error weights", "shape 0", "shape 1", "escape", "raw bits", "run of voids",
-    "1 state", "4 states", "8 states",
+    "copies in a serial pass", "copies in 64-bit words", "no symbols", "serial beside not serial", "serial",
+    "not serial", "filter of the set", "own filters", "two classes", "error weights of the set", "own error weights",
+    "shape 0", "shape 1", "escape", "raw bits", "run of voids", "1 state", "4 states", "8 states",
 }
+
+
+def worked(folder, describe):
+    """What the specification should say of the residuals of one tile."""
+    passes.TRACE = []
+    describe(folder / "accept/two-by-two.oro", 0)
+    rows, passes.TRACE = passes.TRACE, None
+    lines = [f"| {kind} | {' | '.join(map(str, row))} |" for kind, row in zip("CHV", rows)]
+    specification = (folder.parent / "oro.md").read_text()
+    return [f"oro.md should say: {line}" for line in lines if line not in specification]
 
 
 def run(folder, describe):
@@ -42,6 +53,7 @@ def run(folder, describe):
                 faults.append(f"{path.name}: rejected by {error}")
     if not accepted or not rejected:
         faults.append(f"{folder}: no vectors")
+    faults += worked(folder, describe)
     faults += [f"no accepted vector shows: {feature}" for feature in sorted(FEATURES - seen)]
     print(*faults, f"{len(accepted)} accepted and {len(rejected)} rejected vectors, {len(faults)} faults", sep="\n")
     return int(bool(faults))
