@@ -145,7 +145,7 @@ impl<'a, W: Word> Task<'a, W> {
         let (width, height) = (self.original.width, self.original.height);
         let mut rows = Vec::new();
         let count = bands.count(height) * width;
-        let stride = (count / 3000).max(1);
+        let stride = (count / 2000).max(1);
         let row_stride = stride.isqrt().max(1);
         let col_stride = stride.div_ceil(row_stride);
         let taps = self.pass.taps();

@@ -160,18 +160,19 @@ fn broken(cells: &Cells, decoded: &Cells, rule: &BandRule) -> Vec<usize> {
     let nodata = rule.nodata.unwrap_or(u64::MAX);
     let mut broken = Vec::new();
     macro_rules! compare {
-        ($($variant:ident $bits:expr;)*) => {
+        ($($variant:ident $bits:expr, $far:expr;)*) => {
             match (cells, decoded) {
                 $((Cells::$variant(before), Cells::$variant(after)) => {
                     let kept = |before, after| {
-                        let near = (before as f64 - after as f64).abs() <= bound && bound > 0.0;
                         // A void on either side has to be exact; a difference of NaNs and infinities is no number.
-                        let (before, after) = ($bits(before), $bits(after));
-                        before == after || (near && before != nodata && after != nodata)
+                        let (old, new) = ($bits(before), $bits(after));
+                        old == new || ($far(before, after) && old != nodata && new != nodata)
                     };
                     for (chunk, (before, after)) in before.chunks(CHUNK).zip(after.chunks(CHUNK)).enumerate() {
-                        if !before.iter().zip(after).fold(true, |all, (&before, &after)| all & kept(before, after)) {
-                            broken.extend((0..before.len()).filter(|&k| !kept(before[k], after[k])).map(|k| chunk * CHUNK + k));
+                        let all = before.iter().zip(after).fold(true, |all, (&old, &new)| all & kept(old, new));
+                        if !all {
+                            let found = (0..before.len()).filter(|&k| !kept(before[k], after[k]));
+                            broken.extend(found.map(|k| chunk * CHUNK + k));
                         }
                     }
                 })*
@@ -179,9 +180,18 @@ fn broken(cells: &Cells, decoded: &Cells, rule: &BandRule) -> Vec<usize> {
             }
         };
     }
+    let lossy = bound > 0.0;
+    // Whole numbers, so that a bound's fraction does not count.
+    let (narrow, wide) = (bound.min(f64::from(u16::MAX)) as i32, bound.min(f64::from(u32::MAX)) as i64);
     compare! {
-        U8 u64::from; I8 |v: i8| u64::from(v as u8); U16 u64::from; I16 |v: i16| u64::from(v as u16);
-        U32 u64::from; I32 |v: i32| u64::from(v as u32); F32 |v: f32| u64::from(v.to_bits()); F64 f64::to_bits;
+        U8 u64::from, |a, b| (i32::from(a) - i32::from(b)).abs() <= narrow;
+        I8 |v: i8| u64::from(v as u8), |a, b| (i32::from(a) - i32::from(b)).abs() <= narrow;
+        U16 u64::from, |a, b| (i32::from(a) - i32::from(b)).abs() <= narrow;
+        I16 |v: i16| u64::from(v as u16), |a, b| (i32::from(a) - i32::from(b)).abs() <= narrow;
+        U32 u64::from, |a, b| (i64::from(a) - i64::from(b)).abs() <= wide;
+        I32 |v: i32| u64::from(v as u32), |a, b| (i64::from(a) - i64::from(b)).abs() <= wide;
+        F32 |v: f32| u64::from(v.to_bits()), |a, b| lossy && (f64::from(a) - f64::from(b)).abs() <= bound;
+        F64 f64::to_bits, |a: f64, b: f64| lossy && (a - b).abs() <= bound;
     }
     broken
 }

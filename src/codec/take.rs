@@ -128,10 +128,22 @@ impl Histogram {
             .collect();
         let mut best = (0, 0, u64::MAX);
         for shape in 0..SHAPES as u8 {
-            for shift in -SHIFT_LIMIT..=SHIFT_LIMIT {
-                let cost = Self::cost(&used, shape, shift);
-                if cost < best.2 {
-                    best = (shape, shift, cost);
+            // Downhill from the middle; there is one valley.
+            let middle = Self::cost(&used, shape, 0);
+            if middle < best.2 {
+                best = (shape, 0, middle);
+            }
+            for direction in [1i32, -1] {
+                let (mut shift, mut before) = (direction, middle);
+                while shift.abs() <= SHIFT_LIMIT {
+                    let cost = Self::cost(&used, shape, shift);
+                    if cost >= before {
+                        break;
+                    }
+                    if cost < best.2 {
+                        best = (shape, shift, cost);
+                    }
+                    (shift, before) = (shift + direction, cost);
                 }
             }
         }
