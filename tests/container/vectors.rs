@@ -2,7 +2,7 @@
 //!
 //! `write_vectors` makes those that are missing, and changes none that is there:
 //! `cargo test --no-default-features --test container -- --ignored`. Once a version of the format is released its
-//! vectors stay as they are; until then they may be deleted and made anew.
+//! vectors stay as they are; until then they may be deleted and made anew, which `tools/vectors` does.
 
 use crate::{accepted, rejected};
 use orograph::codec::Bound;
