@@ -11,13 +11,18 @@ mod cells;
 mod context;
 mod copies;
 mod cost;
+mod decode_tile;
 mod encode;
+mod encode_tile;
 mod fit;
+mod header;
 mod level;
 mod mapping;
 mod mask;
 mod params;
+mod parts;
 mod pass;
+mod patches;
 mod plane;
 mod rans;
 mod restore;
@@ -33,7 +38,7 @@ mod word;
 
 pub(crate) use binary::{BinaryDecoder, BinaryEncoder};
 pub use cells::Cells;
+pub use decode_tile::decode_tile;
+pub use encode_tile::encode_tile;
 pub use tables::TABLE_SET;
-pub use tile::{
-    BandRule, Bound, EncodedTile, MAX_TILE_SIDE, SEGMENTS, TOP_LEVEL, TileShape, decode_tile, encode_tile, segments_for,
-};
+pub use tile::{BandRule, Bound, EncodedTile, MAX_TILE_SIDE, SEGMENTS, TOP_LEVEL, TileShape, segments_for};

@@ -3,9 +3,10 @@
 use super::Cells;
 use super::context::{TileRule, greatest_coarseness};
 use super::encode::{Pyramid, TileEncoder};
+use super::encode_tile::coarseness_of;
 use super::level::levels;
 use super::mask::void_levels;
-use super::tile::{BandRule, TileShape, coarseness_of};
+use super::tile::{BandRule, TileShape};
 use super::values::{Mapped, find_voids, map_cells};
 use crate::error::Result;
 
