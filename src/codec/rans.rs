@@ -96,30 +96,37 @@ impl Table {
 
     /// The slots of each symbol in the order of their places: what an encoder needs.
     pub(super) fn slots(&self, freq: &[u16; SYMBOLS]) -> Slots {
-        let mut start = [0u16; SYMBOLS];
         let mut sum = 0;
-        for symbol in 0..SYMBOLS {
-            start[symbol] = sum;
-            sum = sum.wrapping_add(freq[symbol]);
-        }
-        let mut slots = vec![0; TOTAL as usize];
+        let symbols = freq.map(u32::from).map(|freq| {
+            let start = sum;
+            sum += freq;
+            Encoding { inverse: (1u64 << 46).div_ceil(u64::from(freq.max(1))), freq, start }
+        });
+        let mut slots = Box::new([0; TOTAL as usize]);
         for slot in 0..TOTAL {
             let (symbol, _, place) = self.find(slot);
-            slots[usize::from(start[usize::from(symbol)]) + place as usize] = slot as u16;
+            slots[(symbols[usize::from(symbol)].start + place) as usize] = slot as u16;
         }
-        let inverse = freq.map(|freq| (1u64 << 46).div_ceil(u64::from(freq.max(1))));
-        Slots { freq: *freq, inverse, start, slots }
+        Slots { symbols, slots }
     }
 }
 
 /// A distribution of 64 symbols, ready to encode with.
 #[derive(Clone, Debug)]
 pub(super) struct Slots {
-    freq: [u16; SYMBOLS],
+    symbols: [Encoding; SYMBOLS],
+    /// The slots of each symbol, one symbol after the other.
+    slots: Box<[u16; TOTAL as usize]>,
+}
+
+/// What encoding a symbol takes.
+#[derive(Clone, Copy, Debug)]
+struct Encoding {
     /// `2^46` over the frequency, rounded up: exact quotients of 32-bit numbers without a division.
-    inverse: [u64; SYMBOLS],
-    start: [u16; SYMBOLS],
-    slots: Vec<u16>,
+    inverse: u64,
+    freq: u32,
+    /// Where its slots begin.
+    start: u32,
 }
 
 /// How many states suit so many symbols: more are faster, each costs four bytes.
@@ -135,26 +142,28 @@ pub(super) fn lanes_for(symbols: usize) -> usize {
 /// Encodes symbols, each with its table, for [`Decoder`]; without lanes there must be none.
 pub(super) fn encode<'a>(symbols: &[(u16, u8)], lanes: usize, slots: impl Fn(u16) -> &'a Slots) -> Vec<u8> {
     let mut state = [LOW; MAX_LANES];
-    let mut words: Vec<u16> = Vec::with_capacity(symbols.len() / 4 + 2 * lanes);
+    // From the end on, as the decoder goes the other way; no symbol takes more than one word.
+    let mut words = vec![0u16; symbols.len() + 1];
+    let mut first = symbols.len();
     for (index, &(table, symbol)) in symbols.iter().enumerate().rev() {
         let slots = slots(table);
-        let symbol = usize::from(symbol);
-        let freq = u32::from(slots.freq[symbol]);
-        let x = &mut state[index & (lanes - 1)];
-        // The greatest state that the symbol maps below 2^32.
-        if u64::from(*x) >= u64::from(freq) << (32 - PRECISION) {
-            words.push(*x as u16);
-            *x >>= 16;
-        }
-        let quotient = ((u128::from(*x) * u128::from(slots.inverse[symbol])) >> 46) as u32;
-        let place = usize::from(slots.start[symbol]) + (*x - quotient * freq) as usize;
-        *x = (quotient << PRECISION) + u32::from(slots.slots[place]);
+        let symbol = slots.symbols[usize::from(symbol) & (SYMBOLS - 1)];
+        let x = &mut state[index & (lanes - 1) & (MAX_LANES - 1)];
+        // The greatest state that the symbol maps below 2^32; which ones are beyond is a coin toss.
+        words[first] = *x as u16;
+        let full = u64::from(*x) >= u64::from(symbol.freq) << (32 - PRECISION);
+        let y = std::hint::select_unpredictable(full, *x >> 16, *x);
+        first -= usize::from(full);
+        let quotient = ((u128::from(y) * u128::from(symbol.inverse)) >> 46) as u32;
+        let place = symbol.start + (y - quotient * symbol.freq);
+        *x = (quotient << PRECISION) + u32::from(slots.slots[(place & (TOTAL - 1)) as usize]);
     }
+    let words = &words[first + 1..];
     let mut bytes = Vec::with_capacity(words.len() * 2 + lanes * 4);
     for x in &state[..lanes] {
         bytes.extend(x.to_le_bytes());
     }
-    words.iter().rev().for_each(|word| bytes.extend(word.to_le_bytes()));
+    words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
     bytes
 }
 
