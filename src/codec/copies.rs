@@ -56,6 +56,11 @@ impl Contexts {
 /// are; and a number from 0 to 4 for how they are alike: all differ, two alike, two and two, three, all four.
 #[inline]
 fn values_of<W: Word>(near: [W; 4]) -> ([W; 4], usize, usize) {
+    let [a, b, c, d] = near;
+    if !((a == b) | (a == c) | (a == d) | (b == c) | (b == d) | (c == d)) {
+        // By far the most frequent.
+        return (near, 4, 0);
+    }
     let (mut values, mut counts, mut count) = ([near[0]; 4], [0u8; 4], 0);
     for cell in near {
         let place = (0..count).find(|&k| values[k] == cell).unwrap_or(count);

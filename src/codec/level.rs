@@ -145,8 +145,14 @@ impl<W: Word> Residuals<W> for Reading<'_> {
         match holes {
             None => self.asks.extend(contexts[..residuals.len()].iter().map(|&context| asks.of(context))),
             Some(holes) => {
-                let held = contexts.iter().zip(holes).filter(|&(_, &hole)| hole == 0);
-                self.asks.extend(held.map(|(&context, _)| asks.of(context)));
+                // Without a branch: where the holes are is hard to foresee.
+                self.asks.resize(residuals.len(), Ask::default());
+                let mut held = 0;
+                for (&context, &hole) in contexts.iter().zip(holes) {
+                    self.asks[held] = asks.of(context);
+                    held += usize::from(hole == 0);
+                }
+                self.asks.truncate(held);
             }
         }
         self.asks.iter().for_each(|ask| wide |= ask.raw);
@@ -184,12 +190,18 @@ fn take_escaped(bits: &mut BitReader<'_>) -> i64 {
     bits.take_signed(6)
 }
 
+#[inline(always)]
 fn take_low(bits: &mut BitReader<'_>, k: i64, raw: u32) -> i64 {
-    let mut low = bits.take(raw.min(32));
     if raw > 32 {
-        low |= bits.take(raw - 32) << 32;
+        return take_lowest(bits, k, raw);
     }
-    (k << raw) | low as i64
+    (k << raw) | bits.take(raw) as i64
+}
+
+#[cold]
+fn take_lowest(bits: &mut BitReader<'_>, k: i64, raw: u32) -> i64 {
+    let low = bits.take(32);
+    (k << raw) | (low | bits.take(raw - 32) << 32) as i64
 }
 
 /// The passes that a segment holds, in their order.
