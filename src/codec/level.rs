@@ -160,23 +160,22 @@ impl<W: Word> Residuals<W> for Reading<'_> {
         self.symbols.next_all(&mut self.row, |index| self.set.decoding(self.asks[index].table));
         let mut escaped = false;
         self.row.iter().for_each(|&symbol| escaped |= symbol == ESCAPE);
-        if let Some(holes) = holes {
-            let mut held = self.row.iter().zip(&self.asks);
-            for (residual, &hole) in residuals.iter_mut().zip(holes) {
-                *residual = W::default();
-                if hole == 0
-                    && let Some((&symbol, &ask)) = held.next()
-                {
-                    *residual = W::from_wide(Self::complete(&mut self.raw, symbol, ask));
-                }
-            }
-        } else if escaped || wide > 0 {
+        if escaped || wide > 0 {
             for ((residual, &symbol), &ask) in residuals.iter_mut().zip(&self.row).zip(&self.asks) {
                 *residual = W::from_wide(Self::complete(&mut self.raw, symbol, ask));
             }
         } else {
             for (residual, &symbol) in residuals.iter_mut().zip(&self.row) {
                 *residual = W::from_wide(i64::from(symbol) - CENTRE);
+            }
+        }
+        if let Some(holes) = holes {
+            // So far they stand side by side; from the last one on each goes to its place.
+            let mut held = self.row.len();
+            for col in (0..residuals.len()).rev() {
+                let is_held = holes[col] == 0;
+                held -= usize::from(is_held);
+                residuals[col] = if is_held { residuals[held] } else { W::default() };
             }
         }
         for (residual, &turn) in residuals.iter_mut().zip(turns) {
