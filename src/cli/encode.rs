@@ -3,7 +3,7 @@
 use super::container_text::{band_lines, bands_json, size_text};
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions, part_of, unit_of};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, PartOptions, unit_of};
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::io::raster::stored::StoredOptions;
@@ -64,23 +64,13 @@ struct StoredInput {
     /// Unit of the elevations: m, ft, us-ft, dm, cm, ...; replaces a declared one.
     #[arg(long, value_name = "UNIT")]
     vertical_unit: Option<String>,
-    /// Read a part: first column, first row, columns, rows.
-    #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
-    window: Option<Vec<usize>>,
-    /// Read the cells inside a box, in the input's CRS.
-    #[arg(
-        long,
-        value_name = "XMIN,YMIN,XMAX,YMAX",
-        value_delimiter = ',',
-        num_args = 1,
-        allow_negative_numbers = true
-    )]
-    bbox: Option<Vec<f64>>,
+    #[command(flatten)]
+    part: PartOptions,
 }
 
 impl Encode {
     fn meant(&self) -> Result<EncodeJob> {
-        let (window, bbox) = part_of(self.raster.window.as_deref(), self.raster.bbox.as_deref())?;
+        let (window, bbox) = self.raster.part.meant()?;
         let promise = match &self.max_error {
             Some(text) => promise_of(text)?,
             None if self.lossless => Promise::Lossless,

@@ -39,6 +39,31 @@ impl CommonOptions {
     }
 }
 
+/// Which part of a raster is read.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Input")]
+pub(super) struct PartOptions {
+    /// Read a part: first column, first row, columns, rows.
+    #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
+    window: Option<Vec<usize>>,
+    /// Read the cells inside a box, in the input's CRS.
+    #[arg(
+        long,
+        value_name = "XMIN,YMIN,XMAX,YMAX",
+        value_delimiter = ',',
+        num_args = 1,
+        allow_negative_numbers = true
+    )]
+    bbox: Option<Vec<f64>>,
+}
+
+impl PartOptions {
+    /// What the options mean: a window, a box, or neither.
+    pub(super) fn meant(&self) -> Result<Part> {
+        part_of(self.window.as_deref(), self.bbox.as_deref())
+    }
+}
+
 /// Options of verbs that read a raster.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Input")]
@@ -55,24 +80,14 @@ pub(super) struct InputOptions {
     /// Unit of the elevations: m, ft, us-ft, dm, cm, ...; replaces a declared one.
     #[arg(long, value_name = "UNIT")]
     vertical_unit: Option<String>,
-    /// Read a part: first column, first row, columns, rows.
-    #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
-    window: Option<Vec<usize>>,
-    /// Read the cells inside a box, in the input's CRS.
-    #[arg(
-        long,
-        value_name = "XMIN,YMIN,XMAX,YMAX",
-        value_delimiter = ',',
-        num_args = 1,
-        allow_negative_numbers = true
-    )]
-    bbox: Option<Vec<f64>>,
+    #[command(flatten)]
+    part: PartOptions,
 }
 
 impl InputOptions {
     /// What the options mean.
     pub(super) fn meant(&self) -> Result<RasterOptions> {
-        let (window, bbox) = part_of(self.window.as_deref(), self.bbox.as_deref())?;
+        let (window, bbox) = self.part.meant()?;
         Ok(RasterOptions {
             band: self.band,
             nodata: self.nodata,
@@ -95,8 +110,8 @@ impl InputOptions {
         put("--nodata", self.nodata.map(|v| v.to_string()));
         put("--crs", self.crs.clone());
         put("--vertical-unit", self.vertical_unit.clone());
-        put("--window", self.window.as_deref().map(list));
-        put("--bbox", self.bbox.as_deref().map(list));
+        put("--window", self.part.window.as_deref().map(list));
+        put("--bbox", self.part.bbox.as_deref().map(list));
         words
     }
 }

@@ -266,19 +266,9 @@ pub(super) fn is_signed_byte(band: &RasterBand<'_>) -> bool {
     band.metadata_item("PIXELTYPE", "IMAGE_STRUCTURE").is_some_and(|item| item == "SIGNEDBYTE")
 }
 
-fn elevations_of(
-    band: &RasterBand<'_>,
-    options: &RasterOptions,
-    crs: Option<&Crs>,
-    notes: &mut Vec<String>,
-) -> Result<Elevations> {
-    let sample_type = match band.band_type() {
-        GdalDataType::UInt8 if is_signed_byte(band) => {
-            return Err(Error::new(
-                ErrorKind::Unsupported,
-                "its type is Byte with PIXELTYPE=SIGNEDBYTE, which GDAL reads as unsigned before 3.7; convert it to Int16 first",
-            ));
-        }
+/// The type of a band's cells as GDAL gives them; the error says what is `expected` instead of others.
+pub(super) fn sample_type_of(band: &RasterBand<'_>, expected: &str) -> Result<SampleType> {
+    Ok(match band.band_type() {
         GdalDataType::UInt8 => SampleType::U8,
         GdalDataType::UInt16 => SampleType::U16,
         GdalDataType::Int16 => SampleType::I16,
@@ -286,17 +276,30 @@ fn elevations_of(
         GdalDataType::Int32 => SampleType::I32,
         GdalDataType::Float32 => SampleType::F32,
         GdalDataType::Float64 => SampleType::F64,
+        // GDAL has had a type of its own for them since 3.7.
         other if other.name() == "Int8" => SampleType::I8,
         other => {
             return Err(Error::new(
                 ErrorKind::Unsupported,
-                format!(
-                    "its type is {}; elevations are 8 to 32-bit integers, Float32 or Float64 (convert with gdal_translate -ot)",
-                    other.name()
-                ),
+                format!("its type is {}; {expected} (convert with gdal_translate -ot)", other.name()),
             ));
         }
-    };
+    })
+}
+
+fn elevations_of(
+    band: &RasterBand<'_>,
+    options: &RasterOptions,
+    crs: Option<&Crs>,
+    notes: &mut Vec<String>,
+) -> Result<Elevations> {
+    let sample_type = sample_type_of(band, "elevations are 8 to 32-bit integers, Float32 or Float64")?;
+    if sample_type == SampleType::U8 && is_signed_byte(band) {
+        return Err(Error::new(
+            ErrorKind::Unsupported,
+            "its type is Byte with PIXELTYPE=SIGNEDBYTE, which GDAL reads as unsigned before 3.7; convert it to Int16 first",
+        ));
+    }
     let (scale, offset) = (band.scale().unwrap_or(1.0), band.offset().unwrap_or(0.0));
     if scale == 0.0 || !scale.is_finite() || !offset.is_finite() {
         return Err(Error::new(

@@ -1,7 +1,7 @@
 //! An opened raster: its record, and windows of its cells.
 
 use super::super::crs::parse_crs;
-use super::super::source::{is_signed_byte, no_bands, open_dataset};
+use super::super::source::{is_signed_byte, no_bands, open_dataset, sample_type_of};
 use super::super::strips::strip_bounds;
 use super::cell::{self, StoredCell};
 use super::georeference::{epoch_of, ground_control_points, wkt_of};
@@ -12,7 +12,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{GeoTransform, SampleType, window_of};
 use crate::io::messages::{failure, take_failures};
 use gdal::errors::GdalError;
-use gdal::raster::{ColorInterpretation, GdalDataType, RasterBand};
+use gdal::raster::{ColorInterpretation, RasterBand};
 use gdal::{Dataset, Metadata};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -288,27 +288,10 @@ fn record_of(band: &RasterBand<'_>, number: usize, nodata: Option<f64>, notes: &
 }
 
 fn sample_of(band: &RasterBand<'_>) -> Result<SampleType> {
-    Ok(match band.band_type() {
-        // GDAL has had a type of its own for them since 3.7.
-        GdalDataType::UInt8 if is_signed_byte(band) => SampleType::I8,
-        GdalDataType::UInt8 => SampleType::U8,
-        GdalDataType::UInt16 => SampleType::U16,
-        GdalDataType::Int16 => SampleType::I16,
-        GdalDataType::UInt32 => SampleType::U32,
-        GdalDataType::Int32 => SampleType::I32,
-        GdalDataType::Float32 => SampleType::F32,
-        GdalDataType::Float64 => SampleType::F64,
-        other if other.name() == "Int8" => SampleType::I8,
-        other => {
-            return Err(Error::new(
-                ErrorKind::Unsupported,
-                format!(
-                    "its type is {}; bands of 8 to 32-bit integers, Float32 or Float64 can be stored (convert with gdal_translate -ot)",
-                    other.name()
-                ),
-            ));
-        }
-    })
+    match sample_type_of(band, "bands of 8 to 32-bit integers, Float32 or Float64 can be stored")? {
+        SampleType::U8 if is_signed_byte(band) => Ok(SampleType::I8),
+        sample => Ok(sample),
+    }
 }
 
 /// How cells are masked by more than their value.
