@@ -35,7 +35,7 @@ pub(super) struct Encode {
     /// Greatest error of a cell; a bare number is metres, or the band's own unit where that is no length.
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     max_error: Option<String>,
-    /// Side of the tiles in cells: a multiple of 64 up to 4096 [default: 1024, less for longitudes and latitudes coarser than 1']
+    /// Side of the tiles in cells: a multiple of 64 up to 4096 [default: about 1024 with no narrow tile at the edges, less for longitudes and latitudes coarser than 1']
     #[arg(long, value_name = "CELLS")]
     tile_size: Option<usize>,
     #[command(flatten)]
