@@ -29,7 +29,7 @@ pub(super) fn tile_side_of(record: &Record) -> usize {
 
 /// Whether the last tile along an edge is at least half as long as the others.
 fn ends_well(cells: usize, side: usize) -> bool {
-    cells <= side || cells % side == 0 || cells % side >= side / 2
+    cells <= side || cells.is_multiple_of(side) || cells % side >= side / 2
 }
 
 /// The longest side of tiles of longitudes and latitudes, a multiple of 64; no limit for others.
