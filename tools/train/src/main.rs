@@ -142,9 +142,9 @@ fn assign(set: &Set, spreads: &[Spread], first: bool) -> Vec<(usize, i32)> {
         .iter()
         .map(|spread| {
             let mut best = (0, 0, f64::INFINITY);
-            for shape in 0..SHAPES {
+            for (shape, tables) in set.iter().enumerate() {
                 for shift in -3..=3 {
-                    let bits = spread.counts.iter().map(|(table, c)| cost(&set[shape][shifted(*table, shift)], c)).sum();
+                    let bits = spread.counts.iter().map(|(table, c)| cost(&tables[shifted(*table, shift)], c)).sum();
                     if bits < best.2 {
                         best = (shape, shift, bits);
                     }
