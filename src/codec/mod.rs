@@ -26,6 +26,7 @@ mod patches;
 mod plane;
 mod rans;
 mod restore;
+pub mod sparse;
 mod tables;
 mod take;
 mod taps;
