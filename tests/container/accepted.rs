@@ -2,6 +2,7 @@
 
 use crate::case::{Case, SAMPLES, cells, noise};
 use crate::parts::Parts;
+use crate::sparse_vectors;
 use crate::terrain::{heights, is_void};
 use crate::tile_bits::{self, Bits, part};
 use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
@@ -59,7 +60,8 @@ fn with_voids(width: usize, height: usize, heights: &mut [f64], void: f64) {
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [types(), bounds(), voids(), patches(), copies(), shapes(), filters(), containers()].concat()
+    [types(), bounds(), voids(), patches(), copies(), shapes(), filters(), containers(), sparse_vectors::accepted()]
+        .concat()
 }
 
 /// Heights resampled to the nearest: each is there once or more, next to itself.

@@ -3,6 +3,7 @@
 use crate::accepted::{Vector, resampled};
 use crate::case::{Case, cells, noise};
 use crate::parts::{FOOTER, Parts, entry};
+use crate::sparse_vectors;
 use crate::tile_bits::{Bits, file, header, part};
 use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
 use orograph::grid::SampleType;
@@ -12,7 +13,7 @@ const INDX: usize = 1;
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [frame(), sections(), tile_headers(), tile_bodies(), endings()].concat()
+    [frame(), sections(), tile_headers(), tile_bodies(), endings(), sparse_vectors::rejected()].concat()
 }
 
 /// 2 x 2 cells of `u8` in one tile.
@@ -124,13 +125,6 @@ fn sections() -> Vec<Vector> {
             "an unknown section that must be understood",
             with(|parts| {
                 parts.sections.insert(0, (0x80 | 70, b"new".to_vec()));
-            }),
-        ),
-        (
-            "r009-dictionary",
-            "a section DICT that must be understood",
-            with(|parts| {
-                parts.sections.insert(0, (0x84, b"new".to_vec()));
             }),
         ),
         ("r010-no-meta", "no section META", with(|parts| drop(parts.sections.remove(META)))),

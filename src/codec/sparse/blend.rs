@@ -81,13 +81,14 @@ fn weights(side: usize) -> Vec<f64> {
     (0..side * side).map(weight).collect()
 }
 
-/// Adds patches up in a window of cells.
+/// Adds patches up in a window of the cells of a level, whose columns and rows are every `stride`-th of the raster.
 ///
 /// Patches have to come row by row: so the sums of each cell are added in one order, and the same patches give the same
 /// cells for any window, to the bit, on any machine. Only `+ - * /` are used.
 #[derive(Clone, Debug)]
 pub struct Blend {
     lattice: Lattice,
+    stride: usize,
     cols: Range<usize>,
     rows: Range<usize>,
     weights: Vec<f64>,
@@ -95,48 +96,71 @@ pub struct Blend {
 }
 
 impl Blend {
-    /// No patches yet, over these columns and rows of cells.
-    pub fn new(lattice: Lattice, cols: Range<usize>, rows: Range<usize>) -> Self {
+    /// No patches yet, over these columns and rows of the level's cells.
+    pub fn new(lattice: Lattice, stride: usize, cols: Range<usize>, rows: Range<usize>) -> Self {
         let sums = vec![[0.0; 2]; cols.len() * rows.len()];
-        Self { lattice, cols, rows, weights: weights(lattice.side), sums }
+        Self { lattice, stride, cols, rows, weights: weights(lattice.side), sums }
+    }
+
+    /// Columns and rows of the places whose patches reach into the window.
+    pub fn places(&self) -> (Range<usize>, Range<usize>) {
+        let whole = |cells: &Range<usize>| match cells.is_empty() {
+            true => 0..0,
+            false => cells.start * self.stride..(cells.end - 1) * self.stride + 1,
+        };
+        (self.lattice.columns(&whole(&self.cols)), self.lattice.rows(&whole(&self.rows)))
+    }
+
+    /// Calls for each cell of the window that has a weight in the patch at a place, with its sum, its number in the
+    /// patch and the weight.
+    fn visit(&mut self, (row, col): (usize, usize), mut cell: impl FnMut(&mut [f64; 2], usize, f64)) {
+        let (side, stride) = (self.lattice.side as i64, self.stride as i64);
+        let top = self.lattice.top + (row * self.lattice.step) as i64;
+        let left = self.lattice.left + (col * self.lattice.step) as i64;
+        // Cells of the level from the first that the square reaches to before the first beyond it.
+        let within = |first: i64, cells: &Range<usize>| {
+            let (from, to) = (cells.start as i64, cells.end as i64);
+            let begin = (first + stride - 1).div_euclid(stride).max(from);
+            begin..(first + side + stride - 1).div_euclid(stride).min(to).max(begin)
+        };
+        let (rows, cols) = (within(top, &self.rows), within(left, &self.cols));
+        for y in rows {
+            let begin = (y - self.rows.start as i64) as usize * self.cols.len();
+            for x in cols.clone() {
+                let k = ((y * stride - top) * side + (x * stride - left)) as usize;
+                if self.weights[k] > 0.0 {
+                    cell(&mut self.sums[begin + (x - self.cols.start as i64) as usize], k, self.weights[k]);
+                }
+            }
+        }
+    }
+
+    /// Makes the cells that the patch at a place reaches void: it is there, but not known.
+    pub fn spoil(&mut self, at: (usize, usize)) {
+        self.visit(at, |sum, _, _| *sum = [f64::NAN; 2]);
     }
 
     /// Adds the patch at a place: its mean and the sum of its terms, weighted. `atoms` are the atoms' values.
-    pub fn add(&mut self, (row, col): (usize, usize), (mean, terms): (i32, &[Term]), atoms: &[i32], steps: &Steps) {
-        let side = self.lattice.side as i64;
-        let top = self.lattice.top + (row * self.lattice.step) as i64;
-        let left = self.lattice.left + (col * self.lattice.step) as i64;
-        let overlap = |first: i64, cells: &Range<usize>| {
-            first.max(cells.start as i64)..(first + side).min(cells.end as i64).max(first.max(cells.start as i64))
-        };
-        let (rows, cols) = (overlap(top, &self.rows), overlap(left, &self.cols));
+    pub fn add(&mut self, at: (usize, usize), (mean, terms): (i32, &[Term]), atoms: &[i32], steps: &Steps) {
         let mean = f64::from(mean) * steps.mean;
         let size = self.weights.len();
         let parts: Vec<(&[i32], f64)> = terms
             .iter()
             .map(|term| (&atoms[term.atom as usize * size..][..size], f64::from(term.part) * steps.part))
             .collect();
-        for y in rows {
-            let begin = (y - self.rows.start as i64) as usize * self.cols.len();
-            for x in cols.clone() {
-                let k = ((y - top) * side + (x - left)) as usize;
-                let weight = self.weights[k];
-                if weight > 0.0 {
-                    let mut height = mean;
-                    for (atom, part) in &parts {
-                        height += part * (f64::from(atom[k]) * steps.atom);
-                    }
-                    let sum = &mut self.sums[begin + (x - self.cols.start as i64) as usize];
-                    sum[0] += weight * height;
-                    sum[1] += weight;
-                }
+        self.visit(at, |sum, k, weight| {
+            let mut height = mean;
+            for (atom, part) in &parts {
+                height += part * (f64::from(atom[k]) * steps.atom);
             }
-        }
+            sum[0] += weight * height;
+            sum[1] += weight;
+        });
     }
 
     /// Adds the patches of a tile that reach into the window; `first` is the row and column of its first place.
     pub fn add_tile(&mut self, tile: &PatchTile, first: (usize, usize), atoms: &[i32], steps: &Steps) {
-        let (rows, cols) = (self.lattice.rows(&self.rows), self.lattice.columns(&self.cols));
+        let (cols, rows) = self.places();
         for (place, patch) in tile.patches().enumerate() {
             let at = (first.0 + place / tile.across, first.1 + place % tile.across);
             if let Some(patch) = patch.filter(|_| rows.contains(&at.0) && cols.contains(&at.1)) {
@@ -181,22 +205,33 @@ mod tests {
     }
 
     #[test]
-    fn windows_are_parts_of_the_whole() {
+    fn windows_and_levels_are_parts_of_the_whole() {
         let lattice = Lattice::new(23, 17, 6, 3);
         let atoms: Vec<i32> = (0..72).map(|i| (i * 37 % 101) - 50).collect();
         let steps = Steps { mean: 0.25, part: 0.5, atom: 1.0 / 128.0 };
-        let blend = |cols: Range<usize>, rows: Range<usize>| {
-            let mut blend = Blend::new(lattice, cols, rows);
+        let blend = |stride: usize, cols: Range<usize>, rows: Range<usize>, spoilt: Option<(usize, usize)>| {
+            let mut blend = Blend::new(lattice, stride, cols, rows);
             for place in 0..lattice.across * lattice.down {
                 let terms = [Term { atom: place as u32 % 2, part: place as i32 - 9 }];
                 let at = (place / lattice.across, place % lattice.across);
+                let (cols, rows) = blend.places();
+                let before = blend.sums.clone();
                 blend.add(at, (place as i32 * 3, &terms), &atoms, &steps);
+                assert!(before == blend.sums || cols.contains(&at.1) && rows.contains(&at.0), "{at:?} reaches in");
             }
+            spoilt.into_iter().for_each(|at| blend.spoil(at));
             blend.cells().map(f64::to_bits).collect::<Vec<_>>()
         };
-        let whole = blend(0..23, 0..17);
+        let whole = blend(1, 0..23, 0..17, None);
         assert!(whole.iter().all(|bits| f64::from_bits(*bits).is_finite()), "everything is covered");
-        let part = blend(5..11, 8..9);
-        assert_eq!(part, whole[8 * 23 + 5..8 * 23 + 11]);
+        assert_eq!(blend(1, 5..11, 8..9, None), whole[8 * 23 + 5..8 * 23 + 11]);
+        for stride in [2, 4, 8] {
+            let (across, down) = (23_usize.div_ceil(stride), 17_usize.div_ceil(stride));
+            let every: Vec<u64> =
+                (0..down * across).map(|i| whole[i / across * stride * 23 + i % across * stride]).collect();
+            assert_eq!(blend(stride, 0..across, 0..down, None), every);
+        }
+        let spoilt = blend(1, 0..23, 0..17, Some((2, 3)));
+        assert_eq!(spoilt.iter().filter(|&&bits| f64::from_bits(bits).is_nan()).count(), 32, "the cells of a disc");
     }
 }
