@@ -41,6 +41,8 @@ pub mod figures;
 pub mod grid;
 #[cfg(feature = "program")]
 pub mod io;
+#[cfg(feature = "program")]
+mod linalg;
 pub mod oro;
 #[cfg(feature = "program")]
 pub mod orometry;
