@@ -42,6 +42,30 @@ impl Dictionary {
         Self { side, values: vec![], origins: vec![], sources }
     }
 
+    /// Atoms that come from elsewhere (a file): their values one behind the other, and the origin of each. Lengths
+    /// need not be exactly 1.
+    ///
+    /// # Errors
+    /// When values, origins or sources do not match, there are too many, or a value is not finite.
+    pub fn from_values(side: usize, values: Vec<f32>, origins: Vec<Origin>, sources: Vec<String>) -> Result<Self> {
+        let corrupt = |message: String| Error::new(ErrorKind::Corrupt, message);
+        let size = PatchShape::new(side)?.values();
+        if origins.len() > Self::MOST_ATOMS || values.len() != origins.len() * size {
+            return Err(corrupt(format!("{} values for {} atoms of {size}", values.len(), origins.len())));
+        }
+        if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+            return Err(corrupt(format!("a value of {}", values[at])).at_place(format!("atom {}", at / size)));
+        }
+        for (i, origin) in origins.iter().enumerate() {
+            if let Origin::Patch { source, .. } = origin
+                && *source as usize >= sources.len()
+            {
+                return Err(corrupt(format!("source {source} of {}", sources.len())).at_place(format!("atom {i}")));
+            }
+        }
+        Ok(Self { side, values, origins, sources })
+    }
+
     /// Adds an atom.
     pub(super) fn push(&mut self, values: &[f32], origin: Origin) {
         debug_assert_eq!(values.len(), self.side * self.side, "one patch");

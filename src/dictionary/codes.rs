@@ -1,5 +1,6 @@
 //! Sparse coefficients: for each patch a few atoms and their parts.
 
+use crate::error::{Error, ErrorKind, Result};
 use rayon::prelude::*;
 
 /// The coefficients of patches, the paper's matrix X by columns: each patch has at most `sparsity` pairs of an atom
@@ -22,6 +23,27 @@ impl Codes {
             atoms: vec![0; patches * sparsity],
             parts: vec![0.0; patches * sparsity],
         }
+    }
+
+    /// Codes that come from elsewhere (a file): for each patch its atoms with their coefficients.
+    ///
+    /// # Errors
+    /// When a patch has more than `sparsity` of them, or a coefficient is not finite; the place names the patch.
+    pub fn from_pairs(sparsity: usize, patches: &[Vec<(u32, f64)>]) -> Result<Self> {
+        let mut codes = Self::new(patches.len(), sparsity);
+        for (i, pairs) in patches.iter().enumerate() {
+            let (atoms, parts): (Vec<u32>, Vec<f64>) = pairs.iter().copied().unzip();
+            let refused = match parts.iter().find(|part| !part.is_finite()) {
+                Some(part) => Some(format!("a coefficient of {part}")),
+                None if pairs.len() > sparsity => Some(format!("{} atoms, more than {sparsity}", pairs.len())),
+                None => None,
+            };
+            if let Some(message) = refused {
+                return Err(Error::new(ErrorKind::Corrupt, message).at_place(format!("patch {i}")));
+            }
+            codes.set(i, &atoms, &parts);
+        }
+        Ok(codes)
     }
 
     /// Most atoms of a patch, the paper's s.
@@ -47,10 +69,13 @@ impl Codes {
 
     /// Sets the atoms of a patch.
     pub(super) fn set(&mut self, patch: usize, atoms: &[u32], parts: &[f64]) {
-        let start = patch * self.sparsity;
-        self.counts[patch] = atoms.len() as u32;
-        self.atoms[start..start + atoms.len()].copy_from_slice(atoms);
-        self.parts[start..start + parts.len()].copy_from_slice(parts);
+        let mut blocks = Block {
+            sparsity: self.sparsity,
+            counts: &mut self.counts,
+            atoms: &mut self.atoms,
+            parts: &mut self.parts,
+        };
+        blocks.set(patch, atoms, parts);
     }
 
     /// The codes of so many patches at a time, to be set side by side.
@@ -98,5 +123,22 @@ impl Block<'_> {
         self.counts[patch] = atoms.len() as u32;
         self.atoms[start..start + atoms.len()].copy_from_slice(atoms);
         self.parts[start..start + parts.len()].copy_from_slice(parts);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_of_files_are_checked() {
+        let codes = Codes::from_pairs(2, &[vec![(3, 1.5)], vec![], vec![(1, 2.0), (0, -1.0)]]).unwrap();
+        assert_eq!((codes.len(), codes.coefficients()), (3, 3));
+        assert_eq!(codes.get(2), (&[1, 0][..], &[2.0, -1.0][..]));
+        assert_eq!(codes.users(4), [vec![(2, 1)], vec![(2, 0)], vec![], vec![(0, 0)]]);
+        for bad in [vec![(0, 1.0); 3], vec![(0, f64::NAN)]] {
+            let error = Codes::from_pairs(2, &[vec![], bad]).unwrap_err();
+            assert_eq!((error.kind(), error.place()), (ErrorKind::Corrupt, Some("patch 1")));
+        }
     }
 }

@@ -9,6 +9,8 @@ mod projection;
 mod scan;
 mod several;
 mod single;
+#[cfg(test)]
+mod tests;
 
 pub(super) use projection::Projection;
 
