@@ -257,6 +257,15 @@ impl Samples {
         self.origins.is_empty()
     }
 
+    /// Sum of the weighted squares of all patches, in square metres: what a dictionary without atoms leaves.
+    pub fn square_m2(&self) -> f64 {
+        let square = |origin: &Origin| match origin {
+            Origin::Patch { norm_m, .. } => norm_m * norm_m,
+            _ => 0.0,
+        };
+        self.origins.iter().map(square).sum()
+    }
+
     /// The values of all patches, one behind the other.
     pub(super) fn values_m(&self) -> &[f32] {
         &self.values

@@ -7,7 +7,7 @@ use super::dictionary::Dictionary;
 use super::reader::Reader;
 use super::source::RangeRead;
 use super::tiling::Place;
-use crate::codec::sparse::{Blend, Lattice, PatchTile, decode_patches, encode_patches};
+use crate::codec::sparse::{Blend, Lattice, PatchTile, blended, decode_patches, encode_patches};
 use crate::codec::{Cells, SEGMENTS, TileShape};
 use crate::error::{Error, ErrorKind, Result};
 use std::ops::Range;
@@ -138,11 +138,9 @@ impl<R: RangeRead> Reader<R> {
         if let Cells::F32(values) = &mut cells {
             let nodata = rule.nodata.map(|bits| bits as u32);
             for ((value, height), void) in values.iter_mut().zip(blend.cells()).zip(voids) {
-                *value = match nodata {
-                    _ if void || height.is_nan() => nodata.map_or(f32::NAN, f32::from_bits),
-                    // A neighbour of the nodata value is as good, and is no void.
-                    Some(bits) if (height as f32).to_bits() == bits => f32::from_bits(bits ^ 1),
-                    _ => height as f32,
+                *value = match void || height.is_nan() {
+                    true => nodata.map_or(f32::NAN, f32::from_bits),
+                    false => blended(height, nodata),
                 };
             }
         }

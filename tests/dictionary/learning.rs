@@ -130,8 +130,7 @@ fn dictionaries_of_several_sources_keep_their_origins() {
             _ => None,
         })
         .collect();
-    let expected: Vec<Option<u32>> =
-        [vec![Some(0); 4], vec![None; 5], vec![Some(1); 4], vec![Some(0); 2]].concat();
+    let expected: Vec<Option<u32>> = [vec![Some(0); 4], vec![None; 5], vec![Some(1); 4], vec![Some(0); 2]].concat();
     assert_eq!(sources, expected);
     assert_eq!(mixed.atom(9), parts[2].atom(0));
     let other = Dictionary::noise(NoiseFamily::Perlin, &PatchShape::new(7).unwrap(), 5, 1).unwrap();

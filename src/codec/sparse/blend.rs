@@ -175,6 +175,13 @@ impl Blend {
     }
 }
 
+/// A cell as it is stored: the nearest single-precision number, or its neighbour where that has the bits of the nodata
+/// value, as a cell that is known is no void.
+pub fn blended(height: f64, nodata: Option<u32>) -> f32 {
+    let cell = height as f32;
+    if nodata == Some(cell.to_bits()) { f32::from_bits(cell.to_bits() ^ 1) } else { cell }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -178,9 +178,9 @@ fn improve(state: &Residuals, k: usize, users: &[User], candidates: Option<&Cand
             leading_eigenvector(&gram, &mut direction);
             state.combination(users, &direction).map(|values| Substitute { values, origin: Origin::Learned })
         }
-        Some(candidates) => {
-            candidates.best(&gram).map(|(values, origin)| Substitute { values: values.to_vec(), origin: origin.clone() })
-        }
+        Some(candidates) => candidates
+            .best(&gram)
+            .map(|(values, origin)| Substitute { values: values.to_vec(), origin: origin.clone() }),
     };
     let mut scaled = vec![0.0; old.len()];
     let substitute = substitute.filter(|new| {

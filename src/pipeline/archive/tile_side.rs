@@ -16,7 +16,7 @@ const FACTORS: [f64; 2] = [0.625, 1.5];
 /// The side of a raster's tiles in cells: the one nearest to 1024 that leaves no narrow tiles at the end of a row or
 /// column, so that the degree cells of SRTM (1201 x 1201) are one tile and not four, three of them slivers that cost
 /// time and up to 1 per cent of the bytes.
-pub(super) fn tile_side_of(record: &Record) -> usize {
+pub(in crate::pipeline) fn tile_side_of(record: &Record) -> usize {
     let most = most_cells(record);
     let [first, last] = FACTORS.map(|factor| (DEFAULT_TILE_SIDE as f64 * factor) as usize / 64);
     (first..=last)
