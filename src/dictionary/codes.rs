@@ -69,12 +69,8 @@ impl Codes {
 
     /// Sets the atoms of a patch.
     pub(super) fn set(&mut self, patch: usize, atoms: &[u32], parts: &[f64]) {
-        let mut blocks = Block {
-            sparsity: self.sparsity,
-            counts: &mut self.counts,
-            atoms: &mut self.atoms,
-            parts: &mut self.parts,
-        };
+        let mut blocks =
+            Block { sparsity: self.sparsity, counts: &mut self.counts, atoms: &mut self.atoms, parts: &mut self.parts };
         blocks.set(patch, atoms, parts);
     }
 

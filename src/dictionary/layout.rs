@@ -40,7 +40,9 @@ impl PatchLayout {
         let covers = |step: usize| step > 0 && step <= side && 2 * reach(step) * reach(step) < side * side;
         if !covers(step) {
             let most = (1..side).rev().find(|&s| covers(s)).unwrap_or(1);
-            return Err(Error::usage(format!("discs of side {side} cover the terrain with steps of 1 to {most}, not {step}")));
+            return Err(Error::usage(format!(
+                "discs of side {side} cover the terrain with steps of 1 to {most}, not {step}"
+            )));
         }
         let (down, across) = (rows.div_ceil(step), cols.div_ceil(step));
         if down.checked_mul(across).is_none_or(|count| count >= u32::MAX as usize) {

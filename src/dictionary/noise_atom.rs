@@ -47,14 +47,8 @@ impl NoiseAtom {
         let mut rng = Rng::new(seed);
         let octaves = 1 + rng.below(OCTAVES) as usize;
         let wavelength = rng.between(WAVELENGTHS.1, WAVELENGTHS.0);
-        let spectrum = Spectrum {
-            octaves,
-            amplitude: 1.0,
-            wavelength,
-            persistence: 0.5,
-            lacunarity: 2.0,
-            seed: rng.next_u64(),
-        };
+        let spectrum =
+            Spectrum { octaves, amplitude: 1.0, wavelength, persistence: 0.5, lacunarity: 2.0, seed: rng.next_u64() };
         let centre = [rng.between(0.0, EXTENT), rng.between(0.0, EXTENT)];
         let kind = match family {
             NoiseFamily::Perlin => NoiseKind::Fractal,

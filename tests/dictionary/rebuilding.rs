@@ -2,9 +2,7 @@
 
 use super::ground::{Ground, any_ground, terrain};
 use super::{cases, with_threads};
-use orograph::dictionary::{
-    Choice, Codes, Dictionary, NoiseFamily, PatchShape, Pursuit, SparseTerrain, difference,
-};
+use orograph::dictionary::{Choice, Codes, Dictionary, NoiseFamily, PatchShape, Pursuit, SparseTerrain, difference};
 use proptest::prelude::*;
 
 fn of_noise(ground: &Ground, sparsity: usize, seed: u64) -> SparseTerrain {
