@@ -129,19 +129,18 @@ fn cut(raster: &Raster, layout: &PatchLayout, place: usize, values: &mut [f32]) 
         let (begin, cells) = raster.part(top + row as i64, left, shape.side());
         line[begin..begin + cells.len()].copy_from_slice(cells);
     }
+    // Above the first cell, so that flat ground has exactly its own mean.
+    let first = f64::from(shape.disc().map(|k| values[k]).find(|v| !v.is_nan())?);
     let (mut weight, mut sum, mut missing) = (0.0, 0.0, 0);
     for k in shape.disc() {
         if values[k].is_nan() {
             missing += 1;
         } else {
             weight += shape.weights()[k];
-            sum += shape.weights()[k] * f64::from(values[k]);
+            sum += shape.weights()[k] * (f64::from(values[k]) - first);
         }
     }
-    if missing == shape.disc_values() {
-        return None;
-    }
-    let mean_m = sum / weight;
+    let mean_m = first + sum / weight;
     let known = (missing > 0).then(|| shape.disc().map(|k| !values[k].is_nan()).collect());
     for value in values {
         *value = if value.is_nan() { 0.0 } else { (f64::from(*value) - mean_m) as f32 };

@@ -7,7 +7,7 @@ use orograph::watch::Watch;
 const FACTOR: usize = 4;
 
 fn fine() -> Ground {
-    Ground { rows: 96, cols: 96, cells: terrain(96, 96, 12, 0), side: 24, step: Some(12) }
+    Ground { rows: 96, cols: 96, cells: terrain(96, 96, 12, 0), side: 24, step: Some(8) }
 }
 
 /// Averages over squares of cells.
@@ -18,7 +18,7 @@ fn coarse(fine: &Ground) -> Ground {
         cells[i / fine.cols / FACTOR * cols + i % fine.cols / FACTOR] += f64::from(z) / (FACTOR * FACTOR) as f64;
     }
     let cells = cells.into_iter().map(|z| z as f32).collect();
-    Ground { rows, cols, cells, side: 6, step: Some(3) }
+    Ground { rows, cols, cells, side: 6, step: Some(2) }
 }
 
 #[test]

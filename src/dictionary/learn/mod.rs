@@ -6,9 +6,10 @@
 //! eigenvector is K-SVD's new atom, and for atoms that must be real patches the form is computed for all of them.
 //!
 //! The error never rises: a patch keeps its old atoms where new ones are worse, and an atom stays where another,
-//! rounded to `f32`, is no better. Results do not depend on threads or the machine.
+//! rounded to `f32`, is no better. Atoms that nobody needs make room for the patches that are explained worst. Results do not depend on threads or the machine.
 
 mod constrained;
+mod renew;
 mod residuals;
 
 use super::atoms::{Dictionary, Origin, Samples};
@@ -114,7 +115,7 @@ fn run(
         state.codes = found;
         improve_all(&mut state, candidates, watch)?;
         errors = state.errors(&state.codes);
-        replace_unused(&mut state, &errors, candidates);
+        renew::renew(&mut state, &mut errors, candidates);
         error_m2.push(errors.iter().sum());
         watch.advance(1)?;
     }
@@ -189,29 +190,4 @@ fn improve(state: &Residuals, k: usize, users: &[User], candidates: Option<&Cand
     });
     let parts = state.parts(users, if substitute.is_some() { &scaled } else { old });
     Some(Improved { substitute, parts })
-}
-
-/// Puts the patches that are explained worst in the place of atoms that nobody uses.
-fn replace_unused(state: &mut Residuals, errors: &[f64], candidates: Option<&Candidates>) {
-    let samples = state.samples;
-    let users = state.codes.users(state.dictionary.len());
-    let unused: Vec<usize> = (0..users.len()).filter(|&k| users[k].is_empty()).collect();
-    if unused.is_empty() {
-        return;
-    }
-    let mut worst: Vec<usize> = (0..errors.len()).filter(|&i| errors[i] > 0.0).collect();
-    worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
-    for (k, patch) in unused.into_iter().zip(worst) {
-        match candidates {
-            None => {
-                let (values, origin) = samples.atom(patch);
-                state.replace(k, &values, origin);
-            }
-            Some(candidates) => {
-                if let Some((values, origin)) = candidates.best(&state.own_gram(patch)) {
-                    state.replace(k, values, origin.clone());
-                }
-            }
-        }
-    }
 }

@@ -78,7 +78,7 @@ impl Projection {
     }
 
     /// The atoms chosen so far.
-    pub(super) fn atoms(&self) -> &[u32] {
+    pub(in super::super) fn atoms(&self) -> &[u32] {
         &self.atoms
     }
 

@@ -81,35 +81,38 @@ fn time_match(job: &Job) -> Any {
         let (mut product_s, mut match_s) = (vec![], vec![]);
         for _ in 0..reps {
             product_s.push(bare_product(patches.len(), shape.values(), dictionary.values()));
-            let begun = Instant::now();
+            let begun = Moment::now();
             let found = Pursuit::new(&dictionary, sparsity, choice)?.decompose(&patches)?;
-            match_s.push(begun.elapsed().as_secs_f64());
+            match_s.push(begun.seconds());
             if found.codes.len() != patches.len() {
                 return Err("patches were lost".into());
             }
         }
         let (product_s, match_s) = (median(product_s), median(match_s));
+        let (clock, cpu) = (product_s.0 / match_s.0, product_s.1 / match_s.1);
         println!(
             "{{\"what\": \"match\", \"choice\": \"{choice:?}\", \"threads\": {threads}, \"patches\": {}, \"values\": {}, \
-             \"atoms\": {atoms}, \"sparsity\": {sparsity}, \"product_s\": {product_s:.4}, \"match_s\": {match_s:.4}, \
-             \"share\": {:.3}, \"product_gflop_s\": {:.1}}}",
+             \"atoms\": {atoms}, \"sparsity\": {sparsity}, \"product_s\": {:.4}, \"match_s\": {:.4}, \"share\": {clock:.3}, \
+             \"product_cpu_s\": {:.4}, \"match_cpu_s\": {:.4}, \"share_of_cpu\": {cpu:.3}}}",
             patches.len(),
             shape.values(),
-            product_s / match_s,
-            2e-9 * (patches.len() * shape.values() * atoms) as f64 / product_s,
+            product_s.0,
+            match_s.0,
+            product_s.1,
+            match_s.1,
         );
     }
     Ok(())
 }
 
 /// Seconds of the product of as many patches with the atoms, on all threads, each with an equal part of the patches.
-fn bare_product(rows: usize, inner: usize, atoms: &[f32]) -> f64 {
+fn bare_product(rows: usize, inner: usize, atoms: &[f32]) -> (f64, f64) {
     let cols = atoms.len() / inner;
     let patches: Vec<f32> = (0..rows * inner).map(|i| (i % 101) as f32 - 50.0).collect();
     // Written before, so that the first touch of the memory is not timed.
     let mut scores = vec![1.0f32; rows * cols];
     let part = rows.div_ceil(rayon::current_num_threads());
-    let begun = Instant::now();
+    let begun = Moment::now();
     scores.par_chunks_mut(part * cols).zip(patches.par_chunks(part * inner)).for_each(|(scores, patches)| {
         let (rows, stride) = (patches.len() / inner, inner as isize);
         assert_eq!(scores.len(), rows * cols, "whole rows");
@@ -119,7 +122,7 @@ fn bare_product(rows: usize, inner: usize, atoms: &[f32]) -> f64 {
             matrixmultiply::sgemm(rows, inner, cols, 1.0, a, stride, 1, b, 1, stride, 0.0, out, cols as isize, 1);
         }
     });
-    let seconds = begun.elapsed().as_secs_f64();
+    let seconds = begun.seconds();
     std::hint::black_box(&scores);
     seconds
 }
@@ -133,21 +136,26 @@ fn time_learn(job: &Job, constrained: bool) -> Any {
     let samples = Samples::new(&patches, "bench");
     let product_s = bare_product(samples.len(), samples.shape().values(), samples.draw(atoms, 1)?.values());
     let how = learning(sparsity, iterations);
-    let begun = Instant::now();
+    let begun = Moment::now();
     let learned = if constrained {
         let candidates = samples.clone().into_dictionary();
         learn_constrained(&samples, &candidates, (atoms, 1), &how, &Watch::default())?
     } else {
         learn(&samples, samples.draw(atoms, 1)?, &how, &Watch::default())?
     };
+    let learn_s = begun.seconds();
     println!(
         "{{\"what\": \"{}\", \"threads\": {}, \"patches\": {}, \"values\": {}, \"atoms\": {atoms}, \"sparsity\": {sparsity}, \
-         \"iterations\": {iterations}, \"product_s\": {product_s:.4}, \"learn_s\": {:.3}, \"error_m2\": {:?}}}",
+         \"iterations\": {iterations}, \"product_s\": {:.4}, \"product_cpu_s\": {:.4}, \"learn_s\": {:.3}, \
+         \"learn_cpu_s\": {:.3}, \"error_m2\": {:?}}}",
         if constrained { "constrain" } else { "learn" },
         rayon::current_num_threads(),
         samples.len(),
         samples.shape().values(),
-        begun.elapsed().as_secs_f64(),
+        product_s.0,
+        product_s.1,
+        learn_s.0,
+        learn_s.1,
         learned.error_m2,
     );
     Ok(())
@@ -204,8 +212,39 @@ fn exact(job: &Job) -> Any {
     report(job, "exact", &patches, Dictionary::complete(&patches, "bench"), 1)
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    if values.len() % 2 == 1 { values[middle] } else { (values[middle - 1] + values[middle]) / 2.0 }
+/// A moment by the clock, and by what all threads of this process have had of processors, which other work on the
+/// machine does not change as much.
+struct Moment(Instant, f64);
+
+impl Moment {
+    fn now() -> Self {
+        Self(Instant::now(), processor_s())
+    }
+
+    /// Seconds since then by both; without the second where the system does not tell it.
+    fn seconds(&self) -> (f64, f64) {
+        (self.0.elapsed().as_secs_f64(), processor_s() - self.1)
+    }
+}
+
+/// Processor seconds of all threads.
+fn processor_s() -> f64 {
+    // Linux brings a thread's account up to date when it yields, otherwise only at its next tick.
+    rayon::broadcast(|_| std::thread::yield_now());
+    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let of = |task: std::fs::DirEntry| {
+        let text = std::fs::read_to_string(task.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<f64>().ok()
+    };
+    tasks.filter_map(of).sum::<f64>() / 1e9
+}
+
+/// The medians of both.
+fn median(values: Vec<(f64, f64)>) -> (f64, f64) {
+    let (clock, cpu): (Vec<f64>, Vec<f64>) = values.into_iter().unzip();
+    let middle = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        (values[(values.len() - 1) / 2] + values[values.len() / 2]) / 2.0
+    };
+    (middle(clock), middle(cpu))
 }
