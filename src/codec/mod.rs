@@ -12,6 +12,7 @@ mod context;
 mod copies;
 mod cost;
 mod decode_tile;
+mod divide;
 mod encode;
 mod encode_tile;
 mod fit;
@@ -36,6 +37,7 @@ pub mod training;
 mod values;
 mod vectors;
 mod word;
+mod zones;
 
 pub(crate) use binary::{BinaryDecoder, BinaryEncoder};
 pub use cells::Cells;

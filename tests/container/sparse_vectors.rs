@@ -102,48 +102,48 @@ pub fn rejected() -> Vec<Vector> {
                 parts.sections.insert(0, twice);
             })
         }),
-        ("r038-side", "patches of 2 cells", field(0, &[2])),
-        ("r038-step", "a step of 0", field(1, &zero)),
-        ("r038-gaps", "patches of 5 cells every 4: gaps", field(1, &[4])),
-        ("r038-atoms", "no atoms", field(2, &zero)),
-        ("r038-many", "2^35 atoms", field(2, &[0x80, 0x80, 0x80, 0x80, 0x80, 1])),
-        ("r038-sparsity", "256 terms", field(3, &[0x80, 2])),
-        ("r038-zero", "a mean step of 0", with(|parts| steps(parts, &[0]))),
-        ("r038-infinite", "a mean step without end", with(|parts| steps(parts, &[2, 0xf0, 0x7f]))),
-        ("r038-cut", "DICT ends before its atoms", with(|parts| parts.sections[DICT].1.truncate(9))),
-        ("r038-type", "a dictionary for integers of 32 bits", {
+        ("r039-side", "patches of 2 cells", field(0, &[2])),
+        ("r039-step", "a step of 0", field(1, &zero)),
+        ("r039-gaps", "patches of 5 cells every 4: gaps", field(1, &[4])),
+        ("r039-atoms", "no atoms", field(2, &zero)),
+        ("r039-many", "2^35 atoms", field(2, &[0x80, 0x80, 0x80, 0x80, 0x80, 1])),
+        ("r039-sparsity", "256 terms", field(3, &[0x80, 2])),
+        ("r039-zero", "a mean step of 0", with(|parts| steps(parts, &[0]))),
+        ("r039-infinite", "a mean step without end", with(|parts| steps(parts, &[2, 0xf0, 0x7f]))),
+        ("r039-cut", "DICT ends before its atoms", with(|parts| parts.sections[DICT].1.truncate(9))),
+        ("r039-type", "a dictionary for integers of 32 bits", {
             with(|parts| {
                 let flags = parts.sections[META].1.len() - 1;
                 parts.sections[META].1[flags] = 5;
             })
         }),
-        ("r038-over", "a section OVER beside DICT", with(|parts| parts.sections.insert(1, (3, vec![1])))),
-        ("r039-cut", "atoms that end early", with(|parts| parts.sections[DICT].1.truncate(30))),
-        ("r039-longer", "atoms that go on", with(|parts| parts.sections[DICT].1.extend([1; 8]))),
-        ("r039-zero", "atoms with a zero byte after their end", with(|parts| parts.sections[DICT].1.push(0))),
-        ("r040-longer", "means with a byte after the last part", grow(0, &[0])),
-        ("r040-cut", "means that end early", with_segments(|segments| _ = segments[0].pop())),
-        ("r040-form", "a length of means in a longer form than it needs", {
+        ("r039-over", "a section OVER beside DICT", with(|parts| parts.sections.insert(1, (3, vec![1])))),
+        ("r040-cut", "atoms that end early", with(|parts| parts.sections[DICT].1.truncate(30))),
+        ("r040-longer", "atoms that go on", with(|parts| parts.sections[DICT].1.extend([1; 8]))),
+        ("r040-zero", "atoms with a zero byte after their end", with(|parts| parts.sections[DICT].1.push(0))),
+        ("r041-longer", "means with a byte after the last part", grow(0, &[0])),
+        ("r041-cut", "means that end early", with_segments(|segments| _ = segments[0].pop())),
+        ("r041-form", "a length of means in a longer form than it needs", {
             with_segments(|segments| {
                 segments[0][0] |= 0x80;
                 segments[0].insert(1, 0);
             })
         }),
-        ("r040-segment", "a segment 3", with_segments(|segments| segments[3].extend(part(&[1])))),
-        ("r041-sparsity", "three terms of a patch", {
+        ("r041-segment", "a segment 3", with_segments(|segments| segments[3].extend(part(&[1])))),
+        ("r042-sparsity", "three terms of a patch", {
             let each = [Term { atom: 0, part: 3 }, Term { atom: 1, part: -2 }, Term { atom: 2, part: 1 }];
             with_segments(|segments| segments[1] = terms(3, 3, &each))
         }),
-        ("r041-atom", "an atom that there is not", with_segments(|segments| segments[1] = terms(4, 2, &one(3)))),
-        ("r041-longer", "terms that go on", grow(1, &[1; 8])),
-        ("r041-zero", "terms with a zero byte after their end", grow(1, &[0])),
-        ("r041-cut", "no terms", with_segments(|segments| segments[1].clear())),
-        ("r042-none", "a mask without a void", {
+        ("r042-atom", "an atom that there is not", with_segments(|segments| segments[1] = terms(4, 2, &one(3)))),
+        ("r042-longer", "terms that go on", grow(1, &[1; 8])),
+        ("r042-zero", "terms with a zero byte after their end", grow(1, &[0])),
+        ("r042-cut", "no terms", with_segments(|segments| segments[1].clear())),
+        ("r043-none", "a mask without a void", {
             // A mask of which the only void has become an ordinary 0: that of a tile of zeros.
             let mask = crate::tile_bits::header(0, 1).bytes();
             with_segments(|segments| segments[2] = [part(&part(&mask)), vec![0; 3]].concat())
         }),
-        ("r042-value", "a mask with a cell of 2", {
+        ("r043-value", "a mask with a cell of 2", {
             let mask = orograph::codec::encode_tile(
                 &orograph::codec::Cells::U8((0..180).map(|cell| [0, 1, 2][usize::min(cell, 2)]).collect()),
                 TileShape { width: 20, height: 9 },

@@ -124,7 +124,7 @@ def read(data, level=0):
     require(12, all(crc32c(sections[kind][1]) == sections[kind][2] for kind in (1, 2, 4) if kind in sections))
     meta = read_meta(sections[1][1], end - 12)
     side, bands = meta["tile_side"], meta["bands"]
-    require(38, 4 not in sections or (3 not in sections and [band["type"] for band in bands] == ["f32"]))
+    require(39, 4 not in sections or (3 not in sections and [band["type"] for band in bands] == ["f32"]))
     across, down = -(-meta["width"] // side), -(-meta["height"] // side)
     c = Cursor(sections[2][1], 21)
     lengths = read_index(c, across * down * len(bands), end - 12)

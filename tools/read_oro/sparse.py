@@ -51,13 +51,13 @@ def tree(width):
 
 class Dictionary:
     def __init__(self, data):
-        c = Cursor(data, 38)
+        c = Cursor(data, 39)
         self.side, self.step, self.atoms, self.sparsity = (c.varint() for _ in range(4))
-        require(38, 3 <= self.side <= 4096 and 1 <= self.step and self.atoms >= 1 and self.sparsity <= 255)
-        require(38, self.atoms * self.side**2 <= 1 << 28)
-        require(38, 2 * (self.step + (self.step + self.side) % 2) ** 2 < self.side**2)
+        require(39, 3 <= self.side <= 4096 and 1 <= self.step and self.atoms >= 1 and self.sparsity <= 255)
+        require(39, self.atoms * self.side**2 <= 1 << 28)
+        require(39, 2 * (self.step + (self.step + self.side) % 2) ** 2 < self.side**2)
         self.steps, self.found = [c.float() for _ in range(3)], [c.float() for _ in range(3)]
-        require(38, all(0 < step < float("inf") for step in self.steps))
+        require(39, all(0 < step < float("inf") for step in self.steps))
         self.values = self.read_values(data[c.at :])
         radius = self.side / 2.0
         d = np.arange(self.side) + 0.5 - radius
@@ -69,7 +69,7 @@ class Dictionary:
         values = np.zeros((self.atoms, self.side, self.side), np.int64)
         for atom in range(self.atoms):
             v = [[0] * self.side for _ in range(self.side)]
-            require(39, coder.coder.taken <= len(data) + 4)
+            require(40, coder.coder.taken <= len(data) + 4)
             for row in range(self.side):
                 for col in range(self.side):
                     rough = 0
@@ -83,7 +83,7 @@ class Dictionary:
                     n = coder.magnitude(rest[rough])
                     v[row][col] = i32(expected + (-(n + 1 >> 1) if n & 1 else n >> 1))
             values[atom] = v
-        require(39, coder.coder.is_whole())
+        require(40, coder.coder.is_whole())
         return values
 
     def lattice(self, width, height):
@@ -105,9 +105,9 @@ class Dictionary:
         f, found = [0] * across, {}
         for i, j in zip(*map(list, np.nonzero(present))):
             i, j = int(i), int(j)
-            require(41, coder.coder.taken <= len(data) + 4)
+            require(42, coder.coder.taken <= len(data) + 4)
             n = coder.tree(count)
-            require(41, n <= self.sparsity)
+            require(42, n <= self.sparsity)
             around = ((f[j - 1] if j else f[j]) + f[j] >> 1).bit_length()
             terms, order = [], (0, -1)
             for t in range(n):
@@ -117,22 +117,22 @@ class Dictionary:
                 else:
                     before = -order[0]
                     m = before - coder.magnitude(fall[before.bit_length()][min(t, 4) - 1])
-                require(41, a < self.atoms and 0 < m < 1 << 31 and (t == 0 or (-m, a) > order))
-                require(41, all(a != other for other, _ in terms))
+                require(42, a < self.atoms and 0 < m < 1 << 31 and (t == 0 or (-m, a) > order))
+                require(42, all(a != other for other, _ in terms))
                 order = (-m, a)
                 terms.append((a, -m if coder.coder.bit(32768) else m))
             f[j] = abs(terms[0][1]) if terms else 0
             found[i, j] = terms
-        require(41, coder.coder.is_whole())
+        require(42, coder.coder.is_whole())
         return found
 
 
 def unpack(data, dtype, width, height, nodata):
-    parts = Cursor(data, 40)
+    parts = Cursor(data, 41)
     segments = [parts.take(parts.varint(5)) for _ in range(4)]
-    require(40, parts.at == len(data))
+    require(41, parts.at == len(data))
     if not width * height:
-        require(40, not any(segments))
+        require(41, not any(segments))
         return np.zeros((height, width), dtype)
     return decode_tile(segments, dtype, width, height, 0, nodata, 0.0)
 
@@ -145,14 +145,14 @@ def read_sparse(chunks, dictionary, width, height, side, nodata, level):
     for tile, segments in enumerate(chunks):
         row, col = (side * i for i in divmod(tile, -(-width // side)))
         right, bottom = min(width, col + side), min(height, row + side)
-        require(40, not segments[3])
+        require(41, not segments[3])
         i0, i1, j0, j1 = (-(-cell // step) for cell in (row, bottom, col, right))
         means = unpack(segments[0], "<i4", j1 - j0, i1 - i0, b"\0\0\0\x80").astype(np.int64)
         terms = dictionary.read_terms(segments[1], means != -(1 << 31))
         patches.update({(i0 + i, j0 + j): (means[i, j], found) for (i, j), found in terms.items()})
         if segments[2]:
             mask = unpack(segments[2], "u1", right - col, bottom - row, b"\1")
-            require(42, mask.max() == 1)
+            require(43, mask.max() == 1)
             void[row:bottom, col:right] = mask == 1
     sums, weights = np.zeros((height, width)), np.zeros((height, width))
     mean_step, coefficient_step, atom_step = dictionary.steps
