@@ -9,7 +9,7 @@
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
 //! 5  pipeline                jobs from files to files: memory, layers, tags, archives
 //! 4  figures   oro           what the methods measured, as charts; the .oro container
-//! 3  orometry      plot      the methods; pictures that know no methods
+//! 3  orometry  tin  plot      the methods; pictures that know no methods
 //! 2  io        codec         files through GDAL; cells <-> bytes
 //! 1  grid          crs       rasters in memory; where they lie on Earth
 //! 0  error  units  watch     what everybody needs
@@ -48,5 +48,7 @@ pub mod orometry;
 pub mod pipeline;
 #[cfg(feature = "program")]
 pub mod plot;
+#[cfg(feature = "program")]
+pub mod tin;
 pub mod units;
 pub mod watch;
