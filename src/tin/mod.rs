@@ -12,10 +12,13 @@
 
 mod breaklines;
 mod crossings;
+mod glb;
 mod ground;
 mod heights;
 mod mesh;
+mod obj;
 mod plane;
+mod ply;
 mod refine;
 mod regular;
 mod scan;
@@ -23,8 +26,11 @@ mod spans;
 mod triangulation;
 
 pub use breaklines::Breaklines;
+pub use glb::{GlbOptions, write_glb};
 pub use heights::Heights;
 pub use mesh::Mesh;
+pub use obj::write_obj;
+pub use ply::{PlyOptions, write_ply};
 pub use refine::{RefineOptions, Refined, refine};
 pub use regular::regular;
 pub use scan::{SUBCELLS, scan, snapped};

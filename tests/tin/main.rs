@@ -2,7 +2,10 @@
 
 #![cfg(feature = "program")]
 
+mod files;
 mod ground;
+#[path = "../mesh_files/mod.rs"]
+mod mesh_files;
 mod refinement;
 mod scanning;
 
