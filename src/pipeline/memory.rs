@@ -19,7 +19,7 @@ pub const CODEC_BYTES_PER_CELL: u64 = 80;
 const REGULAR_MESH_BYTES_PER_CELL: u64 = 120;
 
 /// Bytes a vertex that a triangulation takes while it is refined, with its edges, its triangles and their queue.
-const TIN_BYTES_PER_VERTEX: u64 = 640;
+const TIN_BYTES_PER_VERTEX: u64 = 480;
 
 /// Bytes that a job takes whatever the raster.
 const FIXED_BYTES: u64 = 96 << 20;

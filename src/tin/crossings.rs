@@ -49,10 +49,11 @@ fn each_crossing(lines: &[[Place; 2]], mut each: impl FnMut(Place)) {
         let begin = low(line, 1);
         active.retain(|other| high(other, 1) >= begin);
         for &other in &active {
-            if high(other, 0) >= low(line, 0) && low(other, 0) <= high(line, 0) {
-                if let Some(place) = crossing(*line, *other) {
-                    each(place);
-                }
+            if high(other, 0) >= low(line, 0)
+                && low(other, 0) <= high(line, 0)
+                && let Some(place) = crossing(*line, *other)
+            {
+                each(place);
             }
         }
         active.push(line);

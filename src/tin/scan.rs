@@ -35,6 +35,9 @@ pub fn scan(mesh: &Mesh, rows: usize, cols: usize) -> Vec<f64> {
     // The products of differences stay within 64 bits.
     let is_near = |v: f64| (-100_000.0..=1_100_000.0).contains(&v);
     assert!(mesh.vertices.iter().all(|v| is_near(v[0]) && is_near(v[1])), "vertices near the raster");
+    if rows == 0 || cols == 0 {
+        return Vec::new();
+    }
     let corner = |v: u32| {
         let [x, y, _] = mesh.vertices[v as usize];
         [(x * SUBCELLS).round() as i64, (y * SUBCELLS).round() as i64]
@@ -48,12 +51,11 @@ pub fn scan(mesh: &Mesh, rows: usize, cols: usize) -> Vec<f64> {
             continue;
         }
         let band = |y: f64| (y.max(0.0) as usize / BAND).min(bands.len() - 1);
-        for list in band(low)..=band(high) {
-            bands[list].push(i);
-        }
+        let touched = band(low)..=band(high);
+        bands[touched].iter_mut().for_each(|list| list.push(i));
     }
     let mut z = vec![f64::NAN; rows * cols];
-    z.par_chunks_mut(BAND * cols.max(1)).zip(&bands).enumerate().for_each(|(number, (cells, list))| {
+    z.par_chunks_mut(BAND * cols).zip(&bands).enumerate().for_each(|(number, (cells, list))| {
         let first_row = (number * BAND) as i64;
         let shift = first_row << BITS;
         let band_rows = (cells.len() / cols) as i64;

@@ -3,14 +3,34 @@
 use super::mesh::Mesh;
 use crate::error::{Error, ErrorKind, Result};
 use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
 /// A Delaunay triangulation of points, some of whose edges are given; its decisions are exact.
 ///
 /// Points that lie on one circle are triangulated as their order has it, so equal input gives equal triangles.
 #[derive(Debug)]
 pub struct Triangulation {
-    inner: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    inner: Inner,
+    /// The vertices in the order of their points.
+    handles: Vec<FixedVertexHandle>,
+}
+
+type Inner = ConstrainedDelaunayTriangulation<Vertex>;
+
+/// A point with its number.
+#[derive(Clone, Copy, Debug)]
+struct Vertex {
+    place: Point2<f64>,
+    own: u32,
+}
+
+impl HasPosition for Vertex {
+    type Scalar = f64;
+
+    #[inline]
+    fn position(&self) -> Point2<f64> {
+        self.place
+    }
 }
 
 /// A triangle of a triangulation with its vertices, counter-clockwise where x points right and y up.
@@ -27,24 +47,28 @@ impl Triangulation {
     /// # Panics
     /// When an edge names a point that is not there.
     pub fn new(points: &[[f64; 2]], edges: &[[u32; 2]]) -> Result<Self> {
-        let vertices = points.iter().map(|&[x, y]| Point2::new(x, y)).collect();
-        let pairs = edges.iter().map(|edge| edge.map(|v| v as usize)).collect();
-        let mut refused = None;
-        let loaded = ConstrainedDelaunayTriangulation::try_bulk_load_cdt(vertices, pairs, |edge| {
-            refused.get_or_insert(edge);
-        });
-        let inner = loaded.map_err(|error| unusable(&error))?;
+        let own = |(own, &[x, y]): (u32, &[f64; 2])| Vertex { place: Point2::new(x, y), own };
+        // Loading given edges at once would go through sets whose order differs from run to run.
+        let mut inner: Inner =
+            Inner::bulk_load((0..).zip(points).map(own).collect()).map_err(|error| unusable(&error))?;
         if inner.num_vertices() != points.len() {
             let message =
                 format!("{} of {} points are equal to others", points.len() - inner.num_vertices(), points.len());
             return Err(Error::new(ErrorKind::Unsupported, message));
         }
-        if let Some([a, b]) = refused {
-            let ([ax, ay], [bx, by]) = (points[a], points[b]);
-            let message = format!("the line from {ax}, {ay} to {bx}, {by} crosses another one between their points");
-            return Err(Error::new(ErrorKind::Unsupported, message));
+        let mut handles = vec![FixedVertexHandle::from_index(0); points.len()];
+        inner.vertices().for_each(|vertex| handles[vertex.data().own as usize] = vertex.fix());
+        for &[a, b] in edges {
+            let [from, to] = [a, b].map(|v| handles[v as usize]);
+            if !inner.can_add_constraint(from, to) {
+                let ([ax, ay], [bx, by]) = (points[a as usize], points[b as usize]);
+                let message =
+                    format!("the line from {ax}, {ay} to {bx}, {by} crosses another one between their points");
+                return Err(Error::new(ErrorKind::Unsupported, message));
+            }
+            inner.try_add_constraint(from, to);
         }
-        Ok(Self { inner })
+        Ok(Self { inner, handles })
     }
 
     /// Number of vertices.
@@ -57,17 +81,25 @@ impl Triangulation {
     /// All triangles that change have the new vertex.
     ///
     /// # Errors
-    /// Coordinates that are not finite or too small or large to reckon with.
+    /// Coordinates that are not finite or too small or large to reckon with, and a place where a vertex is already; the
+    /// triangulation is of no more use then.
     pub fn insert(&mut self, [x, y]: [f64; 2], near: u32) -> Result<u32> {
-        let near = FixedVertexHandle::from_index(near as usize);
-        let inserted = self.inner.insert_with_hint(Point2::new(x, y), near).map_err(|error| unusable(&error))?;
-        Ok(number(inserted.index()))
+        #[allow(clippy::cast_possible_truncation, reason = "spade counts vertices with 32 bits")]
+        let own = self.handles.len() as u32;
+        let vertex = Vertex { place: Point2::new(x, y), own };
+        let handle =
+            self.inner.insert_with_hint(vertex, self.handles[near as usize]).map_err(|error| unusable(&error))?;
+        if handle.index() != self.handles.len() {
+            return Err(Error::new(ErrorKind::Unsupported, format!("there is a vertex at {x}, {y} already")));
+        }
+        self.handles.push(handle);
+        Ok(own)
     }
 
     /// Place of a vertex.
     #[inline]
     pub fn point(&self, vertex: u32) -> [f64; 2] {
-        let place = self.inner.vertex(FixedVertexHandle::from_index(vertex as usize)).position();
+        let place = self.inner.vertex(self.handles[vertex as usize]).position();
         [place.x, place.y]
     }
 
@@ -78,19 +110,18 @@ impl Triangulation {
 
     /// All triangles with their numbers.
     pub(super) fn numbered(&self) -> impl Iterator<Item = Face> + '_ {
-        self.inner.inner_faces().map(|face| (face.index(), face.vertices().map(|vertex| number(vertex.index()))))
+        self.inner.inner_faces().map(|face| (face.index(), face.vertices().map(|vertex| vertex.data().own)))
     }
 
     /// The triangles around a vertex, in place of what is in `faces`.
     pub(super) fn star(&self, vertex: u32, faces: &mut Vec<Face>) {
         faces.clear();
-        let handle = FixedVertexHandle::from_index(vertex as usize);
-        for edge in self.inner.vertex(handle).out_edges() {
+        for edge in self.inner.vertex(self.handles[vertex as usize]).out_edges() {
             if edge.face().is_outer() {
                 continue;
             }
             let next = edge.next();
-            let triangle = [vertex, number(next.from().index()), number(next.to().index())];
+            let triangle = [vertex, next.from().data().own, next.to().data().own];
             faces.push((edge.face().index(), triangle));
         }
     }
@@ -102,7 +133,7 @@ impl Triangulation {
 
     /// Whether two vertices are the ends of an edge that was given, or of a part of one.
     pub fn is_given(&self, a: u32, b: u32) -> bool {
-        let [a, b] = [a, b].map(|v| FixedVertexHandle::from_index(v as usize));
+        let [a, b] = [a, b].map(|v| self.handles[v as usize]);
         self.inner.get_edge_from_neighbors(a, b).is_some_and(|edge| edge.is_constraint_edge())
     }
 
@@ -112,15 +143,13 @@ impl Triangulation {
     /// When there is not one elevation a vertex.
     pub fn mesh(&self, z: &[f64]) -> Mesh {
         assert_eq!(z.len(), self.vertices(), "one elevation a vertex");
-        let places = self.inner.vertices().map(|vertex| vertex.position());
-        let vertices = places.zip(z).map(|(place, &z)| [place.x, place.y, z]).collect();
+        let place = |(v, &z): (u32, &f64)| {
+            let [x, y] = self.point(v);
+            [x, y, z]
+        };
+        let vertices = (0..).zip(z).map(place).collect();
         Mesh { vertices, triangles: self.triangles().collect() }
     }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "spade counts vertices with 32 bits")]
-fn number(index: usize) -> u32 {
-    index as u32
 }
 
 fn unusable(error: &spade::InsertionError) -> Error {
@@ -160,6 +189,8 @@ mod tests {
         assert!(crossing.contains("crosses another one"), "{crossing}");
         let infinite = refused(&[[0.0, 0.0], [f64::NAN, 1.0]], &[]);
         assert!(infinite.contains("cannot be triangulated"), "{infinite}");
+        let mut made = Triangulation::new(&SQUARE, &[]).unwrap();
+        assert!(made.insert([4.0, 4.0], 0).unwrap_err().to_string().contains("already"));
         let equal = refused(&[[0.0, 0.0], [1.0, 1.0], [0.0, 0.0]], &[]);
         assert!(equal.contains("1 of 3 points"), "{equal}");
     }

@@ -216,7 +216,7 @@ fn ridges_are_edges() {
     let Some(geo::Geometry::Point(saddle)) = &peaks[0].geometry else { panic!("a point") };
     let triangles = read_layer(&out, None, &[], None).expect("triangles").features;
     let has_corner = |feature: &orograph::io::features::Feature| match &feature.geometry {
-        Some(geo::Geometry::Polygon(polygon)) => polygon.exterior().0.iter().any(|c| *c == saddle.0),
+        Some(geo::Geometry::Polygon(polygon)) => polygon.exterior().0.contains(&saddle.0),
         _ => false,
     };
     assert!(triangles.iter().any(has_corner), "a saddle is a vertex");

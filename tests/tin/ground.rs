@@ -37,6 +37,8 @@ proptest! {
         let refined = refined.unwrap();
         prop_assert_eq!(refined.mesh.check(), Ok(()));
         prop_assert_eq!(area(&refined.mesh), area(&whole));
+        let again = refine(&heights, &Breaklines::default(), options, &Watch::default()).unwrap();
+        prop_assert_eq!(&again, &refined, "equal inputs, equal meshes");
         let data = heights.z_m().iter().filter(|z| !z.is_nan()).count();
         prop_assert_eq!(refined.uncovered as usize, data - whole.vertices.len());
         let mut worst = 0.0_f64;

@@ -82,6 +82,8 @@ proptest! {
         let mesh = refine(&heights, &lines, options(2.0), &Watch::default()).unwrap().mesh;
         prop_assert_eq!(mesh.check(), Ok(()));
         prop_assert_eq!(area(&mesh), area(&regular(&heights)));
+        let again = refine(&heights, &lines, options(2.0), &Watch::default()).unwrap().mesh;
+        prop_assert_eq!(&again, &mesh, "equal inputs, equal meshes");
         let vertices: BTreeSet<[i64; 2]> = places(&mesh).into_iter().collect();
         let cols = heights.cols() as i64;
         let cross = |p: [i64; 2], q: [i64; 2], r: [i64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
