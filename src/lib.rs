@@ -9,7 +9,7 @@
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
 //! 5  pipeline                jobs from files to files: memory, layers, tags, archives
 //! 4  figures   oro           what the methods measured, as charts; the .oro container
-//! 3  orometry   dictionary   plot   the methods; pictures that know no methods
+//! 3  orometry   dictionary   tin   plot   the methods; pictures that know no methods
 //! 2  io   codec   noise   linalg   files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid          crs       rasters in memory; where they lie on Earth
 //! 0  error  units  watch  interval  rng     what everybody needs
@@ -55,5 +55,7 @@ pub mod pipeline;
 #[cfg(feature = "program")]
 pub mod plot;
 pub mod rng;
+#[cfg(feature = "program")]
+pub mod tin;
 pub mod units;
 pub mod watch;

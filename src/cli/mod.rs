@@ -15,6 +15,7 @@ mod sparse;
 mod stats;
 mod stats_text;
 mod tags;
+mod tin;
 mod verify;
 
 use crate::error::{Error, Result};
@@ -42,6 +43,7 @@ enum Verb {
     Map(map::Map),
     Peaks(Box<peaks::Peaks>),
     Stats(Box<stats::Stats>),
+    Tin(Box<tin::Tin>),
     Verify(verify::Verify),
 }
 
@@ -66,6 +68,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Verb::Map(verb)) => execute("map", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Tin(verb)) => execute("tin", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),
     }
 }

@@ -15,6 +15,7 @@ mod spikes;
 pub mod stats;
 mod surveying;
 mod tags;
+pub mod tin;
 
 pub use metric::{AnyMetric, Distance, metric_of};
 pub use names::Names;
