@@ -25,7 +25,7 @@ impl DictionaryPair {
     /// When the patches' side is no multiple of the factor, or the wider patches are too small.
     pub fn new(patches: &Patches, factor: usize, source: &str) -> Result<Self> {
         let side = patches.layout().shape().side();
-        if factor == 0 || side % factor != 0 {
+        if factor == 0 || !side.is_multiple_of(factor) {
             return Err(Error::usage(format!("patches of side {side} in cells {factor} times as wide")));
         }
         let shape = PatchShape::new(side / factor)?;

@@ -104,9 +104,8 @@ fn solve(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
         right.swap(i, pivot);
         for j in i + 1..n {
             let part = matrix[j][i] / matrix[i][i];
-            for k in i..n {
-                matrix[j][k] -= part * matrix[i][k];
-            }
+            let (above, below) = matrix.split_at_mut(j);
+            below[0].iter_mut().zip(&above[i]).for_each(|(value, pivot)| *value -= part * pivot);
             right[j] -= part * right[i];
         }
     }
