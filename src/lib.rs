@@ -10,9 +10,9 @@
 //! 5  pipeline                jobs from files to files: memory, layers, tags, archives
 //! 4  figures   oro           what the methods measured, as charts; the .oro container
 //! 3  orometry      plot      the methods; pictures that know no methods
-//! 2  io        codec         files through GDAL; cells <-> bytes
+//! 2  io     codec    noise   files through GDAL; cells <-> bytes; seeded noise
 //! 1  grid          crs       rasters in memory; where they lie on Earth
-//! 0  error  units  watch     what everybody needs
+//! 0  error  units  watch  interval  rng     what everybody needs
 //! ```
 //!
 //! # Follow a DEM through
@@ -39,8 +39,10 @@ pub mod error;
 #[cfg(feature = "program")]
 pub mod figures;
 pub mod grid;
+pub mod interval;
 #[cfg(feature = "program")]
 pub mod io;
+pub mod noise;
 pub mod oro;
 #[cfg(feature = "program")]
 pub mod orometry;
@@ -48,5 +50,6 @@ pub mod orometry;
 pub mod pipeline;
 #[cfg(feature = "program")]
 pub mod plot;
+pub mod rng;
 pub mod units;
 pub mod watch;

@@ -9,6 +9,7 @@ use std::path::Path;
 /// Modules at the crate's root, their layer, and the modules of the same layer that they may use.
 const LAYERS: &[(&str, u8, &[&str])] = &[
     ("error", 0, &[]),
+    ("interval", 0, &[]),
     ("rng", 0, &[]),
     ("units", 0, &["error"]),
     ("watch", 0, &["error"]),
