@@ -9,7 +9,7 @@
 //! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
 //! 5  pipeline                jobs from files to files: memory, layers, tags, archives
 //! 4  figures   oro           what the methods measured, as charts; the .oro container
-//! 3  orometry      plot      the methods; pictures that know no methods
+//! 3  orometry  construction  plot   the methods; pictures that know no methods
 //! 2  io     codec    noise   files through GDAL; cells <-> bytes; seeded noise
 //! 1  grid          crs       rasters in memory; where they lie on Earth
 //! 0  error  units  watch  interval  rng     what everybody needs
@@ -33,6 +33,8 @@
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;
+#[cfg(feature = "program")]
+pub mod construction;
 #[cfg(feature = "program")]
 pub mod crs;
 pub mod error;

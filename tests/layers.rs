@@ -46,7 +46,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rstar", &["orometry", "pipeline"]),
     ("crc32c", &["oro"]),
     ("sha2", &["oro"]),
-    ("pulp", &["codec"]),
+    ("pulp", &["codec", "construction"]),
     ("libc", &["main"]),
 ];
 
