@@ -21,6 +21,7 @@ mod operator;
 mod plan;
 mod point;
 pub mod primitive;
+pub mod scene;
 mod tree;
 mod vectors;
 

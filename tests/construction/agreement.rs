@@ -93,7 +93,7 @@ proptest! {
 /// Whether a weight depends on a slope: its gradient is itself a difference.
 fn has_slope_ramp(spec: &Spec) -> bool {
     match spec {
-        Spec::Disc(_) | Spec::Curve(_) | Spec::Image(_) => false,
+        Spec::Disc(_) | Spec::Curve(_) | Spec::Image(_) | Spec::Contour(_) => false,
         Spec::Blend(children) => children.iter().any(has_slope_ramp),
         Spec::Weigh(_, slope, a, b) => slope.is_some() || has_slope_ramp(a) || has_slope_ramp(b),
         Spec::Replace(_, a, b) | Spec::Add(_, a, b) | Spec::Level(_, _, a, b) | Spec::Dunes(a, b) => {

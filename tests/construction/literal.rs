@@ -36,6 +36,10 @@ pub fn value(spec: &Spec, place: &Place) -> Pair {
             let point = image.make().at(place);
             (point.elevation.value, point.weight.value)
         }
+        Spec::Contour(contour) => {
+            let point = contour.make().at(place);
+            (point.elevation.value, point.weight.value)
+        }
         Spec::Blend(children) => {
             let children: Vec<Pair> = children.iter().map(at).collect();
             let weight: f64 = children.iter().map(|c| c.1).sum();

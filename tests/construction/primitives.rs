@@ -2,7 +2,7 @@
 
 use super::bounds::keeps;
 use super::spec::{ImageSpec, MappingSpec};
-use super::strategy::{curve, image};
+use super::strategy::{contour, curve, image};
 use orograph::construction::primitive::Skeleton;
 use orograph::construction::{Area, Detail};
 use proptest::prelude::*;
@@ -47,6 +47,22 @@ proptest! {
         keeps(&tree, &tree.bounds(&area), &area, 20);
         let seen = tree.support();
         keeps(&tree, &tree.bounds(&Area::PLANE), &seen, 30);
+    }
+
+    #[test]
+    fn a_contour_keeps_its_bounds(contour in contour(), x in -90.0..60.0_f64, y in -90.0..60.0_f64, side in 0.01..60.0_f64) {
+        let tree = super::spec::Spec::Contour(contour.clone()).tree(Detail::default());
+        let area = Area::of(&[[x, y], [x + side, y + side]]);
+        keeps(&tree, &tree.bounds(&area), &area, 20);
+        let bounds = tree.bounds(&Area::PLANE);
+        keeps(&tree, &bounds, &tree.support(), 40);
+        prop_assert!(bounds.slope < 100.0, "{bounds:?}");
+        // Its own points lie on the curve.
+        let at = contour.points()[2];
+        let knots = &contour.profiles[2.min(contour.profiles.len() - 1)];
+        let expected = orograph::construction::primitive::Profile::new(knots).expect("sound").at(1.0).0 + 3.0;
+        let point = tree.at(at);
+        prop_assert!(point.weight.value == 0.0 || (point.elevation.value - expected).abs() < 1e-6);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Trees as plain data, which can be built, and evaluated literally.
 
 use orograph::construction::primitive::{
-    Curve, Disc, FallOff, Image, Interpolation, Mapping, Profile, Samples, Skeleton,
+    Contour, Curve, Disc, FallOff, Image, Interpolation, Mapping, Profile, Samples, Skeleton,
 };
 use orograph::construction::{
     Affine, Area, Builder, Deformation, Detail, NodeId, Ramp, Rules, Thresholds, Tree, WeightRule,
@@ -26,6 +26,33 @@ pub struct CurveSpec {
     /// Knots of the cross-sections at the beginning and, if there are two, at the end.
     pub sections: Vec<Vec<(f64, f64)>>,
     pub fall_off: (f64, f64),
+}
+
+/// A contour.
+#[derive(Clone, Debug)]
+pub struct ContourSpec {
+    pub centre: [f64; 2],
+    /// Distances from the centre in equal steps of the angle.
+    pub radii_m: Vec<f64>,
+    pub profiles: Vec<Vec<(f64, f64)>>,
+    pub fall_off: (f64, f64),
+}
+
+impl ContourSpec {
+    pub fn points(&self) -> Vec<[f64; 2]> {
+        let step = std::f64::consts::TAU / self.radii_m.len() as f64;
+        let point = |(i, r): (usize, &f64)| {
+            let (s, c) = (i as f64 * step).sin_cos();
+            [self.centre[0] + r * c, self.centre[1] + r * s]
+        };
+        self.radii_m.iter().enumerate().map(point).collect()
+    }
+
+    pub fn make(&self) -> Contour {
+        let profiles = self.profiles.iter().map(|knots| Profile::new(knots).expect("sound")).collect();
+        let fall_off = FallOff::new(self.fall_off.0, self.fall_off.1).expect("sound");
+        Contour::new(self.centre, 3.0, &self.points(), profiles, fall_off).expect("sound")
+    }
 }
 
 /// Where an image lies.
@@ -90,6 +117,7 @@ pub enum Spec {
     Disc(DiscSpec),
     Curve(CurveSpec),
     Image(ImageSpec),
+    Contour(ContourSpec),
     Blend(Vec<Spec>),
     Replace(WeightRule, Box<Spec>, Box<Spec>),
     Add(WeightRule, Box<Spec>, Box<Spec>),
@@ -150,6 +178,7 @@ impl Spec {
         match self {
             Self::Disc(disc) => builder.leaf(disc.make()),
             Self::Curve(curve) => builder.leaf(curve.make()),
+            Self::Contour(contour) => builder.leaf(contour.make()),
             Self::Image(image) => builder.leaf(image.make()),
             Self::Blend(children) => {
                 let children: Vec<NodeId> = children.iter().map(|child| child.add(builder)).collect();

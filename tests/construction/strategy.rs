@@ -1,6 +1,6 @@
 //! Random trees.
 
-use super::spec::{CurveSpec, DiscSpec, ImageSpec, MappingSpec, Spec, WarpSpec};
+use super::spec::{ContourSpec, CurveSpec, DiscSpec, ImageSpec, MappingSpec, Spec, WarpSpec};
 use orograph::construction::{Detail, WeightRule};
 use orograph::noise::{NoiseKind, Spectrum};
 use proptest::prelude::*;
@@ -102,6 +102,20 @@ pub fn image() -> impl Strategy<Value = ImageSpec> {
     )
 }
 
+/// A lake or a mound.
+pub fn contour() -> impl Strategy<Value = ContourSpec> {
+    let radii = proptest::collection::vec(20.0..35.0_f64, 6..9);
+    let fall_off = (0.3..1.2_f64, 0.2..0.8_f64).prop_map(|(plateau, width)| (plateau, plateau + width));
+    (near(), radii, proptest::collection::vec((-9.0..9.0_f64, -9.0..9.0_f64), 9), any::<bool>(), fall_off).prop_map(
+        |(centre, radii_m, heights, single, fall_off)| {
+            let count = if single { 1 } else { radii_m.len() };
+            let profile = |(a, b): &(f64, f64)| vec![(0.0, -4.0), (0.5, *a), (1.1, *b)];
+            let profiles = heights[..count].iter().map(profile).collect();
+            ContourSpec { centre, radii_m, profiles, fall_off }
+        },
+    )
+}
+
 fn warp(with_noise: bool) -> impl Strategy<Value = WarpSpec> {
     let scale = (prop_oneof![-1.6..-0.5_f64, 0.5..1.6_f64], 0.5..1.6_f64).prop_map(|(x, y)| [x, y]);
     let affine = (scale, -200.0..200.0_f64, near(), -1.5..1.5_f64, -20.0..20.0_f64).prop_map(
@@ -131,7 +145,7 @@ fn rule() -> impl Strategy<Value = WeightRule> {
 
 /// A tree; `with_noise` allows deformations by noise.
 pub fn spec(with_noise: bool) -> impl Strategy<Value = Spec> {
-    let leaf = prop_oneof![3 => disc().prop_map(Spec::Disc), 1 => curve().prop_map(Spec::Curve), 1 => image().prop_map(Spec::Image)];
+    let leaf = prop_oneof![3 => disc().prop_map(Spec::Disc), 1 => curve().prop_map(Spec::Curve), 1 => image().prop_map(Spec::Image), 1 => contour().prop_map(Spec::Contour)];
     leaf.prop_recursive(4, 24, 12, move |inner| {
         let boxed = inner.clone().prop_map(Box::new);
         let elevations = (-20.0..40.0_f64, 5.0..40.0_f64, any::<bool>())

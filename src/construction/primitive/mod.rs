@@ -1,5 +1,6 @@
 //! The leaves: features of terrain.
 
+mod contour;
 mod curve;
 mod disc;
 mod fall_off;
@@ -7,6 +8,7 @@ mod image;
 mod profile;
 mod skeleton;
 
+pub use contour::Contour;
 pub use curve::Curve;
 pub use disc::Disc;
 pub use fall_off::FallOff;

@@ -57,12 +57,7 @@ impl Skeleton {
                 pieces.push(Piece::new(p, half(p, q), q)?);
                 continue;
             }
-            let (m, n) = (tangent(points, i), tangent(points, i + 1));
-            let c = std::array::from_fn(|k| p[k] + m[k] / 4.0);
-            let d = std::array::from_fn(|k| q[k] - n[k] / 4.0);
-            let middle = half(c, d);
-            pieces.push(Piece::new(p, c, middle).map_err(|e| at_point(&e, i))?);
-            pieces.push(Piece::new(middle, d, q).map_err(|e| at_point(&e, i))?);
+            pieces.extend(pair(p, tangent(points, i), q, tangent(points, i + 1)).map_err(|e| at_point(&e, i))?);
         }
         let mut length_m = 0.0;
         let mut turning = 0.0;
@@ -142,6 +137,17 @@ impl Skeleton {
     }
 }
 
+/// The two parabolas from one point with its tangent to another.
+///
+/// # Errors
+/// A usage error where they turn back on themselves.
+pub(super) fn pair(p: [f64; 3], m: [f64; 3], q: [f64; 3], n: [f64; 3]) -> Result<[Piece; 2]> {
+    let c = std::array::from_fn(|k| p[k] + m[k] / 4.0);
+    let d = std::array::from_fn(|k| q[k] - n[k] / 4.0);
+    let middle = half(c, d);
+    Ok([Piece::new(p, c, middle)?, Piece::new(middle, d, q)?])
+}
+
 fn at_point(error: &Error, i: usize) -> Error {
     Error::usage(format!("between points {i} and {} of the curve: {}", i + 1, error.message()))
 }
@@ -150,17 +156,23 @@ fn half(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| (p[k] + q[k]) / 2.0)
 }
 
-/// Tangent of Catmull and Rom, shortened to the nearer neighbour: long ones would make loops.
+/// Tangent at a point of an open chain.
 fn tangent(points: &[[f64; 3]], i: usize) -> [f64; 3] {
     let (before, after) = (points[i.saturating_sub(1)], points[(i + 1).min(points.len() - 1)]);
+    if i == 0 || i + 1 == points.len() {
+        return std::array::from_fn(|k| after[k] - before[k]);
+    }
+    inner_tangent(before, points[i], after)
+}
+
+/// Tangent of Catmull and Rom at the middle one of three points, shortened to the nearer neighbour: long ones would
+/// make loops.
+pub(super) fn inner_tangent(before: [f64; 3], at: [f64; 3], after: [f64; 3]) -> [f64; 3] {
     let length = |p: [f64; 3], q: [f64; 3]| {
         let (x, y) = (q[0] - p[0], q[1] - p[1]);
         (x * x + y * y).sqrt()
     };
-    if i == 0 || i + 1 == points.len() {
-        return std::array::from_fn(|k| after[k] - before[k]);
-    }
-    let (a, b, whole) = (length(before, points[i]), length(points[i], after), length(before, after));
+    let (a, b, whole) = (length(before, at), length(at, after), length(before, after));
     // A curve that turns back on itself has no direction.
     let scale = if whole > 0.0 { (2.0 * a.min(b) / whole).min(1.0) } else { 0.0 };
     std::array::from_fn(|k| (after[k] - before[k]) * scale / 2.0)

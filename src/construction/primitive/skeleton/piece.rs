@@ -130,6 +130,37 @@ impl Piece {
         (range.widened(), 2.0 * (z1 - z0).abs().max((z2 - z1).abs()))
     }
 
+    /// Least of `B x B'` for a piece around the origin; positive where it runs to the left around it.
+    pub(in crate::construction) fn least_sweep(&self) -> f64 {
+        // Half of it is p x b + t p x a + t² b x a.
+        let (c0, c1, c2) = (cross(self.p, self.b), cross(self.p, self.a), cross(self.b, self.a));
+        let value = |t: f64| 2.0 * (c0 + t * (c1 + t * c2));
+        let stationary = if c2 > 0.0 { (-c1 / (2.0 * c2)).clamp(0.0, 1.0) } else { 0.0 };
+        value(0.0).min(value(1.0)).min(value(stationary))
+    }
+
+    /// Greatest speed, in metres per unit of t.
+    pub(in crate::construction) fn fastest(&self) -> f64 {
+        let speed = |t: f64| dot(self.velocity(t), self.velocity(t)).sqrt();
+        speed(0.0).max(speed(1.0))
+    }
+
+    /// Bound of the distance from the origin.
+    pub(in crate::construction) fn farthest(&self) -> f64 {
+        let corner = [self.area.x.size(), self.area.y.size()];
+        dot(corner, corner).sqrt()
+    }
+
+    /// Parameter where a ray from the origin meets the piece, which runs to the left around it.
+    pub(in crate::construction) fn crossing(&self, e: [f64; 2]) -> f64 {
+        // B x e falls through 0: k0 + k1 t + k2 t² with e x B rises.
+        let (k0, k1, k2) = (cross(e, self.p), 2.0 * cross(e, self.b), cross(e, self.a));
+        let root = (k1 * k1 - 4.0 * k2 * k0).max(0.0).sqrt();
+        let t = if k1 > 0.0 { -2.0 * k0 / (k1 + root) } else { (root - k1) / (2.0 * k2) };
+        // Where rounding leaves 0 / 0.
+        if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
+    }
+
     /// Parameter of the nearest point, and the square of its distance.
     ///
     /// Half the derivative of the squared distance is the cubic `b.w + (2 b.b + a.w) t + 3 a.b t² + a.a t³` with
