@@ -9,6 +9,7 @@ mod agreement;
 mod bounds;
 mod literal;
 mod primitives;
+mod scene;
 mod spec;
 mod strategy;
 
