@@ -47,7 +47,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("spade", &["tin"]),
     ("crc32c", &["oro"]),
     ("sha2", &["oro"]),
-    ("pulp", &["codec", "linalg"]),
+    ("pulp", &["codec", "construction", "linalg"]),
     ("libc", &["main"]),
     ("matrixmultiply", &["linalg"]),
 ];
