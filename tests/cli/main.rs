@@ -16,6 +16,7 @@ mod rasters;
 mod readme;
 #[path = "../schema/mod.rs"]
 mod schema;
+mod sparse;
 mod tin;
 
 use serde_json::Value;

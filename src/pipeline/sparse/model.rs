@@ -217,14 +217,13 @@ fn measure(
 ) -> Result<Measure> {
     let rebuilt = SparseTerrain::of(patches, decomposition, dictionary.clone())?.raster(1)?;
     let rms = difference(raster.elevation_m(), &rebuilt).map_or(0.0, |found| found.rms_m);
-    let known = || raster.elevation_m().iter().filter(|v| !v.is_nan());
-    let (low, high) = known().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)));
-    let range = if low <= high { f64::from(high) - f64::from(low) } else { 0.0 };
+    // NaN is passed over.
+    let most = f64::from(raster.elevation_m().iter().fold(0.0_f32, |most, v| most.max(v.abs())));
     let codes = &decomposition.codes;
     let square: f64 = (0..codes.len()).flat_map(|patch| codes.get(patch).1).map(|part| part * part).sum();
     let count = codes.coefficients().max(1) as f64;
     let terms = codes.coefficients() as f64 / codes.len().max(1) as f64;
-    Ok(Measure { rms, range, part_rms: (square / count).sqrt(), terms })
+    Ok(Measure { rms, most, part_rms: (square / count).sqrt(), terms })
 }
 
 /// The atoms' values as whole numbers, and the dictionary that these are.

@@ -8,7 +8,7 @@ use crate::dictionary::PatchShape;
 const MEAN_SHARE: f64 = 1.0 / 48.0;
 const PART_SHARE: f64 = 1.0 / 24.0;
 const ATOM_SHARE: f64 = 1.0 / 48.0;
-/// Nothing is counted finer than this part of the range of elevations: single precision ends there.
+/// Nothing is counted finer than this part of the largest value: single precision ends there.
 const FINEST: f64 = 1.0 / (1 << 24) as f64;
 
 /// What steps are chosen by.
@@ -16,8 +16,8 @@ const FINEST: f64 = 1.0 / (1 << 24) as f64;
 pub(super) struct Measure {
     /// Root of the mean square error without rounding.
     pub(super) rms: f64,
-    /// Highest value less lowest.
-    pub(super) range: f64,
+    /// The largest magnitude of a value.
+    pub(super) most: f64,
     /// Root of the mean square of all coefficients.
     pub(super) part_rms: f64,
     /// Mean number of terms of a patch.
@@ -27,7 +27,7 @@ pub(super) struct Measure {
 /// Steps whose rounding adds little to an error. An error of `step²/12` in a coefficient is spread over a patch as the
 /// atom is, whose weighted square sum is 1: over a cell, by one part in the sum of all weights.
 pub(super) fn steps_of(measure: &Measure, shape: &PatchShape) -> Steps {
-    let square = measure.rms.max(measure.range * FINEST).powi(2).max(f64::MIN_POSITIVE);
+    let square = measure.rms.max(measure.most * FINEST).powi(2).max(f64::MIN_POSITIVE);
     let weight: f64 = shape.weights().iter().sum();
     let terms = measure.terms.max(1.0);
     let step = |share: f64, part: f64| short((12.0 * share * square * part).sqrt());
@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_flat_raster_has_steps_too() {
-        let measure = Measure { rms: 0.0, range: 0.0, part_rms: 0.0, terms: 0.0 };
+        let measure = Measure { rms: 0.0, most: 7.5, part_rms: 0.0, terms: 0.0 };
         let steps = steps_of(&measure, &PatchShape::new(8).unwrap());
         assert!([steps.mean, steps.part, steps.atom].iter().all(|step| *step > 0.0 && step.is_finite()));
     }
