@@ -95,7 +95,10 @@ impl SparseTerrain {
     /// When the numbers of atoms differ, or the other's side is no multiple of the patches'.
     pub fn with_dictionary(self, dictionary: Dictionary) -> Result<Self> {
         let side = self.layout.shape().side();
-        if dictionary.len() != self.dictionary.len() || dictionary.side() < side || !dictionary.side().is_multiple_of(side) {
+        if dictionary.len() != self.dictionary.len()
+            || dictionary.side() < side
+            || !dictionary.side().is_multiple_of(side)
+        {
             let (n, m, other) = (self.dictionary.len(), dictionary.len(), dictionary.side());
             let message = format!("{m} atoms of side {other} in the place of {n} for patches of side {side}");
             return Err(Error::usage(message));
