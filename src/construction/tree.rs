@@ -225,6 +225,9 @@ impl Tree {
     }
 
     /// The same nodes seen from another root, for layers of water or sand.
+    ///
+    /// # Panics
+    /// When the node is not of this tree.
     #[must_use]
     pub fn with_root(&self, root: NodeId) -> Self {
         assert!((root.0 as usize) < self.nodes.len(), "a node of this tree");

@@ -220,24 +220,38 @@ impl NoiseSum {
         let mut from = 0;
         while from < count {
             let n = CHUNK.min(count - from);
-            let (xs, ys) = (&xs[from..from + n], &ys[from..from + n]);
-            let mut sum = [[0.0; CHUNK]; 3];
-            let mut signal = [[0.0; CHUNK]; 3];
+            // Always whole chunks: loops of a known length become vectors.
+            let (mut px, mut py) = ([0.0; CHUNK], [0.0; CHUNK]);
+            px[..n].copy_from_slice(&xs[from..from + n]);
+            py[..n].copy_from_slice(&ys[from..from + n]);
+            let (mut sum, mut sum_x, mut sum_y) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+            let (mut signal, mut signal_x, mut signal_y) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
             for (i, octave) in self.octaves.iter().enumerate() {
-                for k in 0..n {
+                let (octave, first) = (*octave, i == 0);
+                for k in 0..CHUNK {
                     let mut state = State {
-                        sum: Sample { value: sum[0][k], dx: sum[1][k], dy: sum[2][k] },
-                        signal: Sample { value: signal[0][k], dx: signal[1][k], dy: signal[2][k] },
+                        sum: Sample { value: sum[k], dx: sum_x[k], dy: sum_y[k] },
+                        signal: Sample { value: signal[k], dx: signal_x[k], dy: signal_y[k] },
                     };
-                    step::<GRADIENT>(kind, i == 0, octave, share(i, from + k), (xs[k], ys[k]), &mut state);
-                    [sum[0][k], sum[1][k], sum[2][k]] = [state.sum.value, state.sum.dx, state.sum.dy];
-                    [signal[0][k], signal[1][k], signal[2][k]] = [state.signal.value, state.signal.dx, state.signal.dy];
+                    step::<GRADIENT>(
+                        kind,
+                        first,
+                        &octave,
+                        share(i, (from + k).min(count - 1)),
+                        (px[k], py[k]),
+                        &mut state,
+                    );
+                    (sum[k], signal[k]) = (state.sum.value, state.signal.value);
+                    if GRADIENT {
+                        (sum_x[k], sum_y[k]) = (state.sum.dx, state.sum.dy);
+                        (signal_x[k], signal_y[k]) = (state.signal.dx, state.signal.dy);
+                    }
                 }
             }
-            out.value[from..from + n].copy_from_slice(&sum[0][..n]);
+            out.value[from..from + n].copy_from_slice(&sum[..n]);
             if GRADIENT {
-                out.dx[from..from + n].copy_from_slice(&sum[1][..n]);
-                out.dy[from..from + n].copy_from_slice(&sum[2][..n]);
+                out.dx[from..from + n].copy_from_slice(&sum_x[..n]);
+                out.dy[from..from + n].copy_from_slice(&sum_y[..n]);
             }
             from += n;
         }

@@ -121,3 +121,21 @@ fn controls(points: &[[f64; 3]], smooth: bool) -> Vec<[[f64; 2]; 3]> {
     }
     found
 }
+
+#[test]
+fn a_gentle_curve_has_bounds_near_what_it_needs() {
+    // A straight canal 40 m long that falls by 4 m, with banks of slope 1.
+    let curve = super::spec::CurveSpec {
+        points: vec![[0.0, 0.0, 4.0], [20.0, 0.0, 2.0], [40.0, 0.0, 0.0]],
+        smooth: true,
+        sections: vec![vec![(-4.0, 0.0), (-2.0, -2.0), (2.0, -2.0), (4.0, 0.0)]],
+        fall_off: (4.0, 8.0),
+    };
+    let tree = super::spec::Spec::Curve(curve).tree(Detail::default());
+    let middle = tree.bounds(&Area::of(&[[15.0, -1.0], [25.0, 1.0]]));
+    assert!(middle.slope > 0.1 && middle.slope < 2.1, "{middle:?}");
+    assert!(middle.elevation.max < 4.1 && middle.elevation.min > -2.1, "{middle:?}");
+    // Two pixels on the bed, inside the plateau.
+    let bed = tree.bounds(&Area::of(&[[19.0, 0.5], [20.0, 1.0]]));
+    assert!(bed.slope < 0.11 && bed.weight.min == 1.0 && bed.weight_slope == 0.0, "{bed:?}");
+}

@@ -174,7 +174,8 @@ impl Primitive for Curve {
         bounded &= !near.iter().any(|&i| i > first && pieces[i as usize].corner);
         let (from, to) = (&pieces[first as usize], &pieces[last as usize]);
         bounded &= to.turned_before + to.turning - from.turned_before < std::f64::consts::FRAC_PI_2;
-        let has_end = first == 0 || last as usize == pieces.len() - 1;
+        let within = |end: [f64; 2]| region.area.square_distances(end).min <= (far + slack) * (far + slack);
+        let has_end = within(pieces[0].at(0.0)) || within(pieces[pieces.len() - 1].at(1.0));
         let slope = if self.plain {
             steep
         } else if bounded {
