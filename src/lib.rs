@@ -6,13 +6,14 @@
 //! A room uses only the rooms below it and itself; a test (`tests/layers.rs`) checks that.
 //!
 //! ```text
-//! 6  main.rs -> cli          words <-> calls; exit codes; the only place that prints
-//! 5  pipeline                jobs from files to files: memory, layers, tags, archives
-//! 4  figures   oro           what the methods measured, as charts; the .oro container
-//! 3  orometry      plot      the methods; pictures that know no methods
-//! 2  io        codec         files through GDAL; cells <-> bytes
-//! 1  grid          crs       rasters in memory; where they lie on Earth
-//! 0  error  units  watch     what everybody needs
+//! 6  main.rs -> cli                       words <-> calls; exit codes; the only place that prints
+//! 5  pipeline                              jobs from files to files: memory, layers, tags, archives
+//! 4  figures  oro                          what the methods measured, as charts; the .oro container
+//! 3  orometry  dictionary  construction    the methods
+//!    tin  plot                             the methods; pictures that know no methods
+//! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
+//! 1  grid  crs                             rasters in memory; where they lie on Earth
+//! 0  error  units  watch  interval  rng    what everybody needs
 //! ```
 //!
 //! # Follow a DEM through
@@ -34,13 +35,21 @@
 pub mod cli;
 pub mod codec;
 #[cfg(feature = "program")]
+pub mod construction;
+#[cfg(feature = "program")]
 pub mod crs;
+#[cfg(feature = "program")]
+pub mod dictionary;
 pub mod error;
 #[cfg(feature = "program")]
 pub mod figures;
 pub mod grid;
+pub mod interval;
 #[cfg(feature = "program")]
 pub mod io;
+#[cfg(feature = "program")]
+mod linalg;
+pub mod noise;
 pub mod oro;
 #[cfg(feature = "program")]
 pub mod orometry;
@@ -48,5 +57,8 @@ pub mod orometry;
 pub mod pipeline;
 #[cfg(feature = "program")]
 pub mod plot;
+pub mod rng;
+#[cfg(feature = "program")]
+pub mod tin;
 pub mod units;
 pub mod watch;

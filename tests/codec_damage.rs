@@ -125,9 +125,10 @@ fn a_great_tile_of_few_bytes() {
     let rule = BandRule { sample: SampleType::F64, nodata: None, bound: Bound::Lossless };
     let before = greatest();
     for copies in [0, 1] {
-        // No voids, no patches, bits of floats in order, least 0, factor 1, 64-bit numbers, step 1; the first cell is 0.
-        let head =
-            [(0, 2), (3, 3), (1, 1), (0, 10), (1, 1), (64, 7), (1, 1), (0, 2), (0, 1), (copies, 1), (1, 1), (0, 60)];
+        // No voids, no patches, bits of floats in order, least 0, factor 1, 64-bit numbers, step 1, one zone; the first
+        // cell is 0.
+        let mapping = [(0, 2), (3, 3), (1, 1), (0, 10), (1, 1), (64, 7), (1, 1), (0, 2)];
+        let head = [&mapping[..], &[(0, 1), (copies, 1), (0, 2), (1, 1), (0, 60)]].concat();
         // The parameters of 27 passes, and of the three of a finer level, which are serial: shift 0, from the set.
         let passes = |count: usize, serial: &[(u64, u32)]| {
             std::iter::repeat_n([serial, &[(0, 1), (3, 3), (0, 3), (0, 3)]].concat(), count)

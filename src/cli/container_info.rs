@@ -2,6 +2,7 @@
 
 use super::container_text::{band_lines, bands_json, number, size_text};
 use super::info::crs_json;
+use super::sparse::{dictionary_json, dictionary_lines};
 use crate::error::Result;
 use crate::io::raster::parse_crs;
 use crate::io::raster::stored::Item;
@@ -78,8 +79,17 @@ pub(super) fn describe(path: &Path) -> Result<(Value, String)> {
         "sections": sections,
         "hash": hash,
     });
+    let result = match reader.dictionary() {
+        Some(dictionary) => with_dictionary(result, dictionary_json(description, dictionary)),
+        None => result,
+    };
     let text = text(&result, &source);
     Ok((result, text))
+}
+
+fn with_dictionary(mut result: Value, dictionary: Value) -> Value {
+    result["dictionary"] = dictionary;
+    result
 }
 
 fn text(result: &Value, source: &ContainerSource) -> String {
@@ -105,6 +115,13 @@ fn text(result: &Value, source: &ContainerSource) -> String {
         match band.split_once(": ") {
             Some((name, rest)) => line(name, rest.to_string()),
             None => line("band", band.to_string()),
+        }
+    }
+    for found in
+        reader.dictionary().map(|found| dictionary_lines(description, found)).iter().flat_map(|text| text.lines())
+    {
+        if let Some((name, rest)) = found.split_once(": ") {
+            line(name, rest.to_string());
         }
     }
     for (number, band) in (1..).zip(&description.bands) {

@@ -3,12 +3,13 @@
 use super::container_text::{band_lines, bands_json, size_text};
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions, PartOptions, unit_of};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, unit_of};
+use super::sparse::{PatchOptions, StoredInput, sparse_json, sparse_text};
 use super::wrong_value;
 use crate::error::{Error, Result};
-use crate::io::raster::stored::StoredOptions;
 use crate::pipeline::archive::encode::{EncodeJob, EncodeReport, run};
 use crate::pipeline::archive::{Promise, Target};
+use crate::pipeline::sparse::encode::{self as sparse, SparseJob};
 use crate::units::parse_length_m;
 use clap::Args;
 use serde_json::{Value, json};
@@ -21,7 +22,8 @@ use std::path::PathBuf;
 /// are kept; colour tables and statistics are not. Every tile is decoded and compared before it is written.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  orograph encode fixtures/jacksboro.tif jacksboro.oro\n  \
-                        orograph encode fixtures/jacksboro.tif small.oro --max-error 2m")]
+                        orograph encode fixtures/jacksboro.tif small.oro --max-error 2m\n  \
+                        orograph encode fixtures/jacksboro.tif sparse.oro --sparse --atoms 64")]
 pub(super) struct Encode {
     /// Raster: any that GDAL reads, or another .oro file.
     #[arg(value_name = "DEM")]
@@ -30,11 +32,21 @@ pub(super) struct Encode {
     #[arg(value_name = "OUT.oro")]
     output: PathBuf,
     /// Keep every bit of every cell.
-    #[arg(long, conflicts_with = "max_error")]
+    #[arg(long, conflicts_with_all = ["max_error", "sparse"])]
     lossless: bool,
     /// Greatest error of a cell; a bare number is metres, or the band's own unit where that is no length.
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "sparse")]
     max_error: Option<String>,
+    /// Describe the terrain as patches of a dictionary (the sparse profile): small and rebuilt at any resolution, with
+    /// the error that comes of it. 32-bit floats of one band are kept.
+    #[arg(long)]
+    sparse: bool,
+    #[command(flatten)]
+    patches: PatchOptions,
+    /// A dictionary that orograph learn made, or another .oro file of the sparse profile; learned from the raster
+    /// unless given.
+    #[arg(long, value_name = "FILE.oro", requires = "sparse", conflicts_with = "atoms", help_heading = "Patches")]
+    dictionary: Option<PathBuf>,
     /// Side of the tiles in cells: a multiple of 64 up to 4096 [default: about 1024 with no narrow tile at the edges, less for longitudes and latitudes coarser than 1']
     #[arg(long, value_name = "CELLS")]
     tile_size: Option<usize>,
@@ -48,43 +60,17 @@ pub(super) struct Encode {
     pub(super) common: CommonOptions,
 }
 
-/// What to read of a raster that is kept as it is.
-#[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Input")]
-struct StoredInput {
-    /// Band to read, from 1; may be given several times. All unless given.
-    #[arg(long = "band", value_name = "N")]
-    bands: Vec<usize>,
-    /// Value of cells without data; replaces a declared one.
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
-    nodata: Option<f64>,
-    /// CRS that replaces the input's: EPSG:2056, WKT, a PROJ string.
-    #[arg(long, value_name = "CRS")]
-    crs: Option<String>,
-    /// Unit of the elevations: m, ft, us-ft, dm, cm, ...; replaces a declared one.
-    #[arg(long, value_name = "UNIT")]
-    vertical_unit: Option<String>,
-    #[command(flatten)]
-    part: PartOptions,
-}
-
 impl Encode {
     fn meant(&self) -> Result<EncodeJob> {
-        let (window, bbox) = self.raster.part.meant()?;
         let promise = match &self.max_error {
             Some(text) => promise_of(text)?,
             None if self.lossless => Promise::Lossless,
             None => Promise::Unsaid,
         };
+        self.patches.only_with(self.sparse, "--sparse")?;
         Ok(EncodeJob {
             input: self.input.clone(),
-            raster: StoredOptions {
-                bands: self.raster.bands.clone(),
-                nodata: self.raster.nodata,
-                crs: self.raster.crs.clone(),
-                window,
-                bbox,
-            },
+            raster: self.raster.meant()?,
             unit: unit_of(self.raster.vertical_unit.as_deref())?,
             promise,
             tile_side: self.tile_size,
@@ -102,23 +88,41 @@ impl Encode {
         if !is_stream && !self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("oro")) {
             return Err(Error::usage("the output is an .oro file: name it so").at_path(&self.output));
         }
-        let report = watched(reporter, |watch, reporter| {
+        let sparse = self.sparse.then(|| self.sparse_job(&job));
+        let told = watched(reporter, |watch, reporter| {
             let mut stdout = std::io::stdout();
             let target = match is_stream {
                 true => Target::Stream(&mut stdout),
                 false => Target::File { path: self.output.clone(), overwrite: self.out.overwrite },
             };
-            run(&job, target, watch, &mut |text| reporter.warn(text))
+            let warn = &mut |text: &str| reporter.warn(text);
+            match &sparse {
+                Some(sparse) => Ok(sparse::run(sparse, target, watch, warn)?
+                    .map(|report| (sparse_text(&report), sparse_json(&report)))),
+                None => Ok(run(&job, target, watch, warn)?.map(|report| (text(&report), json(&report)))),
+            }
         })?;
-        let Some(report) = report else { return Ok(Value::Null) };
+        let Some((text, json)) = told else { return Ok(Value::Null) };
         if is_stream {
             // Standard output is taken.
-            reporter.remark(text(&report).trim_end());
+            reporter.remark(text.trim_end());
         } else {
             reporter.outputs(std::slice::from_ref(&self.output));
-            reporter.say(&format!("{}written: {}\n", text(&report), self.output.display()))?;
+            reporter.say(&format!("{text}written: {}\n", self.output.display()))?;
         }
-        Ok(json(&report))
+        Ok(json)
+    }
+
+    fn sparse_job(&self, job: &EncodeJob) -> SparseJob {
+        SparseJob {
+            input: job.input.clone(),
+            raster: job.raster.clone(),
+            unit: job.unit.clone(),
+            model: self.patches.meant(),
+            dictionary: self.dictionary.clone(),
+            tile_side: job.tile_side,
+            memory: job.memory,
+        }
     }
 }
 

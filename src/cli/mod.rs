@@ -5,14 +5,17 @@ mod container_text;
 mod decode;
 mod encode;
 mod info;
+mod learn;
 mod map;
 mod peaks;
 mod progress;
 mod report;
 mod shared;
+mod sparse;
 mod stats;
 mod stats_text;
 mod tags;
+mod tin;
 mod verify;
 
 use crate::error::{Error, Result};
@@ -36,9 +39,11 @@ enum Verb {
     Decode(Box<decode::Decode>),
     Encode(Box<encode::Encode>),
     Info(info::Info),
+    Learn(Box<learn::Learn>),
     Map(map::Map),
     Peaks(Box<peaks::Peaks>),
     Stats(Box<stats::Stats>),
+    Tin(Box<tin::Tin>),
     Verify(verify::Verify),
 }
 
@@ -59,9 +64,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Verb::Decode(verb)) => execute("decode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Encode(verb)) => execute("encode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Learn(verb)) => execute("learn", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Map(verb)) => execute("map", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Tin(verb)) => execute("tin", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),
     }
 }

@@ -1,17 +1,20 @@
 //! From the expected error of a cell to how its residual is stored.
 //!
-//! A *context* is a number of at most 10 bits: an eighth of an octave of the expected error, and how far the
-//! prediction was rounded. Each pass turns contexts into tables once.
+//! A *context* is a number: of 10 bits an eighth of an octave of the expected error, and how far the prediction was
+//! rounded; above them the zone. Each pass turns contexts into tables once.
 
 use super::params::PassParams;
 use super::tables::{TableRef, TableSet};
+use super::zones::MAX_ZONES;
 
 /// Eighths of octaves that an expected error can fall into.
 const EIGHTHS: usize = 224;
 /// Classes of the prediction's fraction.
 const CLASSES: usize = 4;
-/// Number of contexts, rounded up so that ten bits always name one.
-pub(super) const CONTEXTS: usize = 1024;
+/// Number of contexts of a zone, rounded up so that ten bits always name one.
+pub(super) const CONTEXTS: usize = 1 << ZONE_SHIFT;
+/// The bits of a context above these are its zone.
+const ZONE_SHIFT: u32 = 10;
 
 /// What is the same for all passes of a tile.
 #[derive(Clone, Copy, Debug)]
@@ -62,17 +65,19 @@ pub(super) struct Ask {
 }
 
 /// How residuals are stored in each context of a pass.
-pub(super) struct Asks(Box<[Ask; CONTEXTS]>);
+pub(super) struct Asks(Box<[Ask; CONTEXTS * MAX_ZONES]>);
 
 impl Asks {
-    /// The tables of a pass.
-    pub(super) fn new(params: &PassParams, rule: TileRule) -> Self {
-        let mut asks = Box::new([Ask::default(); CONTEXTS]);
-        for (eighth, asks) in asks.as_chunks_mut::<CLASSES>().0.iter_mut().enumerate() {
-            let bin = bin_of(eighth, rule);
-            for (class, ask) in asks.iter_mut().enumerate() {
-                ask.table = TableSet::table(rule.step, params.shape, params.shift, bin, class);
-                ask.raw = TableSet::raw_bits(bin) as u8;
+    /// The tables of a pass, from the parameters of each zone.
+    pub(super) fn new(params: &[PassParams], rule: TileRule) -> Self {
+        let mut asks = Box::new([Ask::default(); CONTEXTS * MAX_ZONES]);
+        for (asks, params) in asks.chunks_mut(CONTEXTS).zip(params) {
+            for (eighth, asks) in asks.as_chunks_mut::<CLASSES>().0.iter_mut().enumerate() {
+                let bin = bin_of(eighth, rule);
+                for (class, ask) in asks.iter_mut().enumerate() {
+                    ask.table = TableSet::table(rule.step, params.shape, params.shift, bin, class);
+                    ask.raw = TableSet::raw_bits(bin) as u8;
+                }
             }
         }
         Self(asks)
@@ -81,7 +86,7 @@ impl Asks {
     /// How a residual of a context is stored.
     #[inline(always)]
     pub(super) fn of(&self, context: u16) -> Ask {
-        self.0[usize::from(context) & (CONTEXTS - 1)]
+        self.0[usize::from(context) & (CONTEXTS * MAX_ZONES - 1)]
     }
 }
 
@@ -108,6 +113,18 @@ pub(super) fn contexts_of(contexts: &mut [u16], expected: &[u32], rests: impl Fn
     for (col, (context, &expected)) in contexts.iter_mut().zip(expected).enumerate() {
         *context = (eighth_by_float(expected) << 2) as u16 | class_of(rests(col), factor);
     }
+}
+
+/// What a zone adds to the contexts of its cells.
+#[inline(always)]
+pub(super) fn zone_context(zone: usize) -> u16 {
+    (zone << ZONE_SHIFT) as u16
+}
+
+/// The zone that a context is of.
+#[inline(always)]
+pub(super) fn zone_of(context: u16) -> usize {
+    usize::from(context) >> ZONE_SHIFT
 }
 
 /// The context of one cell.

@@ -13,6 +13,7 @@ use super::restore::{Restored, fill_voids, set_cell_bits};
 use super::tile::{BandRule, TileShape, segments_for};
 use super::values::void_bits;
 use super::word::Word;
+use super::zones::{ZONES_IN, Zones};
 use crate::error::{Error, ErrorKind, Result};
 
 /// Decodes a level of a tile from its first segments (at least [`segments_for`] of them).
@@ -26,7 +27,7 @@ pub fn decode_tile(segments: &[&[u8]], shape: TileShape, rule: &BandRule, level:
         .ok_or_else(|| Error::new(ErrorKind::Corrupt, "a segment of the tile is missing"))?;
     let mut rest = segments[0];
     let mut bits = BitReader::new(take_part(&mut rest)?);
-    let header = Header::read(&mut bits, rule)?;
+    let header = Header::read(&mut bits, rule, levels(shape))?;
     if header.mapping.range_bits > 31 {
         decode_levels::<i64>(segments, &header, (bits, rest), shape, rule, level)
     } else {
@@ -48,6 +49,7 @@ fn decode_levels<W: Word>(
     let mut restored = Restored::new(&header.mapping, rule, asked.cells());
     let mut level = Some(Level::seed(W::from_wide(header.seed)));
     let mut holes = header.voids.map(|top| Plane::framed(&[u8::from(top)], 1));
+    let mut zones = None;
     let mut patches = Vec::new();
     for (index, segment) in segments.iter().enumerate() {
         let span = segment_levels(index, levels);
@@ -63,6 +65,10 @@ fn decode_levels<W: Word>(
                 }
                 // Its parts are empty too: a mask may need no bytes.
                 (BitReader::new(&[]), if header.voids.is_some() { &[0][..] } else { &[] })
+            }
+            // Lengths of parts, and no part.
+            1.. if segment.iter().all(|&byte| byte == 0) => {
+                return Err(Error::new(ErrorKind::Corrupt, format!("segment {index} has bytes that say nothing")));
             }
             _ => {
                 let mut rest = *segment;
@@ -82,6 +88,9 @@ fn decode_levels<W: Word>(
             void_levels = decode_voids(take_part(&mut rest)?, coarser, shape, span.clone())?;
         }
         if header.mapping.range_bits > 0 {
+            if index == ZONES_IN && header.zones > 1 {
+                zones = Some(Zones::decode(take_part(&mut rest)?, shape, header.zones)?);
+            }
             let copies = if header.copies { Some(take_part(&mut rest)?) } else { None };
             let raw = take_part(&mut rest)?;
             let body = SegmentBody { copies, raw, symbols: rest };
@@ -96,6 +105,7 @@ fn decode_levels<W: Word>(
                     finest,
                     tile_rule,
                     &void_levels,
+                    zones.as_ref(),
                     &mut restored,
                 )?;
             }

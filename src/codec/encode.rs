@@ -17,6 +17,7 @@ use super::taps::{Known, Pass};
 use super::tile::{SEGMENTS, TileShape};
 use super::training::Fitted;
 use super::word::Word;
+use super::zones::{LevelZones, Zones};
 use crate::error::Result;
 
 /// Cells of a pass from which on filters are fitted.
@@ -47,7 +48,8 @@ impl SegmentParts {
 
 /// What became of a pass.
 struct Coded<'a, W> {
-    params: PassParams,
+    /// Of each zone.
+    params: Vec<PassParams>,
     taken: Taken<'a, W>,
     cells: Plane<W>,
     errors: Plane<u16>,
@@ -63,32 +65,52 @@ struct Task<'a, W> {
     still: Option<Still<'a, W>>,
     rule: TileRule,
     level: u8,
+    zones: Option<LevelZones<'a>>,
 }
 
 impl<'a, W: Word> Task<'a, W> {
+    /// Number of zones.
+    fn zones(&self) -> usize {
+        self.zones.map_or(1, |zones| zones.count())
+    }
+
     /// Runs the pass on rows of the plane.
-    fn run(&self, mut params: PassParams, bands: Bands) -> Coded<'a, W> {
+    fn run(&self, mut params: Vec<PassParams>, bands: Bands) -> Coded<'a, W> {
         let size = (self.original.width, self.original.height);
         let mut taken = Taken::new(self.original, self.rule.step);
+        let Self { pass, still, rule, .. } = *self;
         let (cells, errors) =
-            run_pass(self.pass, size, self.cells, self.errors, self.still, &params, self.rule, bands, &mut taken);
-        let (shape, shift, cost) = taken.histogram(&params, self.rule).best();
-        (params.shape, params.shift) = (shape, shift);
+            run_pass(pass, size, self.cells, self.errors, still, &params, self.zones, rule, bands, &mut taken);
+        let mut cost = 0;
+        let histograms = taken.histograms(&params, rule);
+        for (params, histogram) in params.iter_mut().zip(histograms) {
+            let (shape, shift, best) = histogram.best();
+            (params.shape, params.shift) = (shape, shift);
+            cost += best;
+        }
         let mut side = BitWriter::default();
-        params.write(&mut side, self.pass, self.level);
+        PassParams::write_all(&params, &mut side, pass, self.level);
         // A sample stands for all rows, of which the parameters are written once.
         let cost =
             (u128::from(cost) * size.1 as u128 / bands.count(size.1) as u128) as u64 + ((side.bits() as u64) << 8);
         Coded { cost, params, taken, cells, errors }
     }
 
-    /// Filters for the passes of both kinds, or without serial ones: the best shipped ones, or fitted ones where they pay
-    /// for themselves.
-    fn filters(&self, kinds: &[bool]) -> Vec<PassParams> {
+    /// Parameters of each zone for the passes of both kinds, or without serial ones.
+    fn filters(&self, kinds: &[bool]) -> Vec<Vec<PassParams>> {
+        let serial = kinds.contains(&true);
+        let still = self.still.map(|still| still.marks);
+        let zones = Samples::gather(self.pass, self.original, self.cells, still, self.rule.step, serial, self.zones);
+        let all = zones.iter().map(Samples::len).sum::<usize>().max(1);
         let count = self.original.width * self.original.height;
-        let (step, serial) = (self.rule.step, kinds.contains(&true));
-        let samples =
-            Samples::gather(self.pass, self.original, self.cells, self.still.map(|still| still.marks), step, serial);
+        let found: Vec<_> =
+            zones.iter().map(|samples| self.zone_filters(samples, count * samples.len().max(1) / all, kinds)).collect();
+        (0..kinds.len()).map(|kind| found.iter().map(|zone| zone[kind].clone()).collect()).collect()
+    }
+
+    /// Filters of a zone of about so many cells: the best shipped ones, or fitted ones where they pay for themselves.
+    fn zone_filters(&self, samples: &Samples, count: usize, kinds: &[bool]) -> Vec<PassParams> {
+        let step = self.rule.step;
         let fitted = if count < FIT_FROM { None } else { samples.filters(None) };
         let steep = samples.steep();
         let mixed = steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len();
@@ -140,12 +162,12 @@ impl<'a, W: Word> Task<'a, W> {
         }
     }
 
-    /// Parts of the expected error and the error itself, of some of the cells that ran.
-    fn error_fit(&self, own: &Coded<'_, W>, bands: Bands) -> ErrorFit {
+    /// Parts of the expected error and the error itself, of some of the cells that ran, zone by zone.
+    fn error_fits(&self, own: &Coded<'_, W>, bands: Bands) -> Vec<ErrorFit> {
         let (width, height) = (self.original.width, self.original.height);
-        let mut rows = Vec::new();
+        let mut rows: Vec<_> = (0..self.zones()).map(|_| Vec::new()).collect();
         let count = bands.count(height) * width;
-        let stride = (count / 2000).max(1);
+        let stride = (count / (2000 * self.zones())).max(1);
         let row_stride = stride.isqrt().max(1);
         let col_stride = stride.div_ceil(row_stride);
         let taps = self.pass.taps();
@@ -170,14 +192,14 @@ impl<'a, W: Word> Task<'a, W> {
                 let above = own.errors.run(row as isize - 1, 0, width);
                 parts[5] = (u32::from(above[col - 1]) + 2 * u32::from(above[col]) + u32::from(above[col + 1])) as f32;
                 let line = own.errors.row(row);
-                if own.params.serial {
+                if own.params[0].serial {
                     (parts[6], parts[7]) = (f32::from(line[col - 1]), f32::from(line[col - 2]));
                 }
                 parts[8] = floor as f32;
-                rows.push((parts, f32::from(line[col])));
+                rows[self.zones.map_or(0, |zones| zones.of(row, col))].push((parts, f32::from(line[col])));
             }
         }
-        ErrorFit::new(rows)
+        rows.into_iter().map(ErrorFit::new).collect()
     }
 
     /// Codes the pass; `serial` says which kind it must be of.
@@ -188,7 +210,7 @@ impl<'a, W: Word> Task<'a, W> {
             Some(true) => &[true],
             None => &[false, true],
         };
-        let bands = Bands::of_cells(SAMPLED, self.original.width, self.original.height);
+        let bands = Bands::of_cells(SAMPLED * self.zones().min(2), self.original.width, self.original.height);
         let mut best: Option<Coded<'a, W>> = None;
         for params in self.filters(kinds) {
             let coded = self.code_bands(params, bands);
@@ -200,20 +222,26 @@ impl<'a, W: Word> Task<'a, W> {
         match best {
             Some(coded) if bands == Bands::All => coded,
             Some(coded) => self.run(coded.params, Bands::All),
-            None => self.run(PassParams::shipped(self.pass, false, 0), Bands::All),
+            None => self.run(vec![PassParams::shipped(self.pass, false, 0); self.zones()], Bands::All),
         }
     }
 
     /// Codes a sample, with weights of errors that fit it where they are worth their bits there.
-    fn code_bands(&self, params: PassParams, bands: Bands) -> Coded<'a, W> {
+    fn code_bands(&self, params: Vec<PassParams>, bands: Bands) -> Coded<'a, W> {
         let first = self.run(params, bands);
         if self.original.width * self.original.height < 4 * FIT_FROM {
             return first;
         }
-        let Some(codes) = self.error_fit(&first, bands).codes(&first.params) else { return first };
         let mut params = first.params.clone();
-        params.set_codes(codes);
-        params.weight_variant = None;
+        for (params, fit) in params.iter_mut().zip(self.error_fits(&first, bands)) {
+            if let Some(codes) = fit.codes(params) {
+                params.set_codes(codes);
+                params.weight_variant = None;
+            }
+        }
+        if params == first.params {
+            return first;
+        }
         let second = self.run(params, bands);
         if second.cost < first.cost { second } else { first }
     }
@@ -222,7 +250,7 @@ impl<'a, W: Word> Task<'a, W> {
 /// The cells of every level of a tile, as they should be, finest first, and where its voids are.
 pub(super) struct Pyramid<'a, W> {
     levels: Vec<(Vec<W>, usize)>,
-    shape: TileShape,
+    pub(super) shape: TileShape,
     voids: &'a [VoidLevel],
 }
 
@@ -236,6 +264,16 @@ impl<'a, W: Word> Pyramid<'a, W> {
             found.push((thin, width.div_ceil(2)));
         }
         Self { levels: found, shape, voids }
+    }
+
+    /// Number of levels above the finest.
+    pub(super) fn depth(&self) -> usize {
+        self.levels.len() - 1
+    }
+
+    /// The cells of the finest level, row by row, and where its voids are.
+    pub(super) fn finest(&self) -> (&[W], Option<&Plane<u8>>) {
+        (&self.levels[0].0, self.voids.first().map(|level| &level.cells))
     }
 }
 
@@ -251,6 +289,8 @@ pub(super) struct TileEncoder<'a, W> {
     pub(super) serial: Option<bool>,
     /// What a trainer wants to see, when it asks for it.
     pub(super) observed: Option<Observed>,
+    /// Where parts of the tile have parameters of their own.
+    pub(super) zones: Option<Zones>,
 }
 
 /// Parameters and residuals of the passes, for training.
@@ -273,12 +313,13 @@ impl<'a, W: Word> TileEncoder<'a, W> {
             cells: if pyramid.levels.len() == 1 { seed.clone() } else { Vec::new() },
             serial: None,
             observed: None,
+            zones: None,
         }
     }
 
     /// Codes a level; levels come one after the other, down to 0.
     pub(super) fn code_level(&mut self, l: u8) -> Result<()> {
-        let Self { pyramid, rule, level, segments, serial, observed, .. } = self;
+        let Self { pyramid, rule, level, segments, serial, observed, zones, .. } = self;
         let (cells, width) = &pyramid.levels[usize::from(l)];
         let holes = pyramid.voids.get(usize::from(l));
         let parts = &mut segments[SEGMENTS - 1 - usize::from(l).min(SEGMENTS - 1)];
@@ -301,18 +342,19 @@ impl<'a, W: Word> TileEncoder<'a, W> {
             let voids =
                 void.map_or(0, |void| (0..size.1).map(|row| void.row(row).iter().filter(|&&v| v != 0).count()).sum());
             parts.held += size.0 * size.1 - voids;
-            let task = Task { pass, original: &original, cells: known, errors, still, rule: *rule, level: l };
+            let zones = zones.as_ref().and_then(|zones| zones.at_level(l));
+            let task = Task { pass, original: &original, cells: known, errors, still, rule: *rule, level: l, zones };
             let made = task.code(*serial);
             if let Some(observed) = observed {
                 observed.fitted.push(Fitted {
                     pass: pass as usize,
-                    serial: made.params.serial,
+                    serial: made.params[0].serial,
                     step: rule.step,
                     cells: size.0 * size.1,
-                    filter: made.params.filters[1].to_vec(),
-                    codes: made.params.codes.to_vec(),
+                    filter: made.params[0].filters[1].to_vec(),
+                    codes: made.params[0].codes.to_vec(),
                 });
-                let asks = Asks::new(&PassParams { shape: 0, shift: 0, ..made.params.clone() }, *rule);
+                let asks = Asks::new(&[PassParams { shape: 0, shift: 0, ..made.params[0].clone() }], *rule);
                 let spread = made.taken.residuals.iter().zip(&made.taken.contexts).map(|(k, &context)| {
                     let ask = asks.of(context);
                     (ask.table.0, symbol_of(k.wide() >> ask.raw))
@@ -335,7 +377,7 @@ impl<'a, W: Word> TileEncoder<'a, W> {
 
 /// Appends a pass to its segment.
 fn write_pass<W: Word>(parts: &mut SegmentParts, made: &Coded<'_, W>, pass: Pass, l: u8, rule: TileRule) {
-    made.params.write(&mut parts.side, pass, l);
+    PassParams::write_all(&made.params, &mut parts.side, pass, l);
     let set = table_set();
     let asks = Asks::new(&made.params, rule);
     parts.symbols.reserve(made.taken.residuals.len());

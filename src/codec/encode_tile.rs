@@ -15,6 +15,7 @@ use super::restore::{Restored, broken_cells, cell_bits, fill_voids};
 use super::tile::{BandRule, Bound, EncodedTile, SEGMENTS, TileShape};
 use super::values::{Mapped, find_voids, map_cells, void_bits};
 use super::word::Word;
+use super::zones::ZONES_IN;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
 
@@ -78,7 +79,7 @@ fn finish<W: Word>(
     let levels = levels(shape);
     let holes = if voids.is_empty() { Vec::new() } else { void_levels(voids, shape, levels) };
     let mut coarseness = usual_coarseness(mapping.step);
-    let mut copies = false;
+    let (mut copies, mut zones) = (false, None);
     let (mut parts, mut decoded_xs): ([SegmentParts; SEGMENTS], Option<Vec<W>>) = Default::default();
     if mapping.range_bits > 0 {
         coarseness = coarseness_of(xs, voids, shape.width, mapping.step).min(greatest_coarseness(mapping.range_bits));
@@ -88,10 +89,11 @@ fn finish<W: Word>(
         if copies {
             coded.segments.iter_mut().for_each(|parts| parts.copies = Some(Writing::new()));
         }
+        coded.zones = pyramid.divide(mapping.step);
         for level in (0..levels).rev() {
             coded.code_level(level)?;
         }
-        (parts, decoded_xs) = (coded.segments, Some(coded.cells));
+        (parts, decoded_xs, zones) = (coded.segments, Some(coded.cells), coded.zones);
     }
     let mut decoded = Restored::new(&mapping, rule, cells.len());
     match &decoded_xs {
@@ -108,6 +110,7 @@ fn finish<W: Word>(
         void_bits: commonest,
         coarseness,
         copies,
+        zones: zones.as_ref().map_or(1, |zones| zones.count),
         patched: !broken.is_empty(),
         mapping,
     };
@@ -115,7 +118,7 @@ fn finish<W: Word>(
     for (index, (parts, segment)) in parts.into_iter().zip(&mut tile.segments).enumerate() {
         let mut side = BitWriter::default();
         if index == 0 {
-            header.write(&mut side, rule.sample);
+            header.write(&mut side, rule.sample, levels);
         }
         let (passes, copies, raw, symbols) = parts.finish();
         if header.patched {
@@ -134,6 +137,9 @@ fn finish<W: Word>(
         put_part(segment, &side.finish());
         if header.voids.is_some() {
             put_part(segment, &mask);
+        }
+        if let Some(zones) = zones.as_ref().filter(|_| index == ZONES_IN) {
+            put_part(segment, &zones.encode(shape));
         }
         if header.mapping.range_bits > 0 {
             if let Some(copies) = &copies {

@@ -6,8 +6,9 @@ use super::pass::FRACTION;
 use super::plane::Plane;
 use super::taps::{Known, MAX_TAPS, Pass, SERIAL_TAPS};
 use super::word::Word;
+use super::zones::LevelZones;
 
-/// Cells that a fit looks at, about.
+/// Cells that a fit of a zone looks at, about.
 const SAMPLES: usize = 6000;
 /// Samples whose products are summed in single precision.
 const BLOCK: usize = 64;
@@ -31,7 +32,7 @@ struct Sample {
     class: u8,
 }
 
-/// Cells of a pass with all their taps.
+/// Cells of a pass, or of a zone of it, with all their taps.
 pub(super) struct Samples {
     samples: Vec<Sample>,
     taps: usize,
@@ -43,7 +44,8 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Gathers every so-many-th cell of a pass whose taps are no voids; `original` is the plane to be coded.
+    /// Gathers every so-many-th cell of a pass whose taps are no voids, zone by zone; `original` is the plane to be
+    /// coded.
     pub(super) fn gather<W: Word>(
         pass: Pass,
         original: &Plane<W>,
@@ -51,13 +53,15 @@ impl Samples {
         void: Option<&Plane<u8>>,
         step: i64,
         serial: bool,
-    ) -> Self {
+        zones: Option<LevelZones<'_>>,
+    ) -> Vec<Self> {
+        let zone_count = zones.map_or(1, |zones| zones.count());
         let taps = pass.tap_count() - if serial { 0 } else { SERIAL_TAPS };
         let (width, height) = (original.width, original.height);
-        let mut samples = Vec::new();
+        let mut samples: Vec<Vec<Sample>> = (0..zone_count).map(|_| Vec::new()).collect();
         let floor = 0.3 * step as f32;
         // Whole runs of cells in some rows: a stride that shares no factor with the width would be slower to read.
-        let stride = (width * height / SAMPLES).max(1);
+        let stride = (width * height / (SAMPLES * zone_count)).max(1);
         let (row_stride, col_stride) = match stride {
             0..3 => (1, stride),
             _ => (stride.isqrt().max(1), stride.div_ceil(stride.isqrt().max(1))),
@@ -93,7 +97,7 @@ impl Samples {
                 sample.class = u8::from(one.abs() + other.abs() > 2.0 * step as f32);
                 let expected = 0.2 * spread + floor;
                 sample.weight = 1.0 / (expected * expected);
-                samples.push(sample);
+                samples[zones.map_or(0, |zones| zones.of(row, col))].push(sample);
             }
         }
         let mut own = [false; MAX_TAPS];
@@ -101,8 +105,9 @@ impl Samples {
             *own = tap.0 == super::taps::Source::Own;
         }
         own[pass.taps().len()..].fill(true);
-        let step = step as f64;
-        Self { samples, taps, plain_taps: pass.taps().len(), noise: (step * step - 1.0) / 12.0, own }
+        let (plain_taps, step) = (pass.taps().len(), step as f64);
+        let noise = (step * step - 1.0) / 12.0;
+        samples.into_iter().map(|samples| Self { samples, taps, plain_taps, noise, own }).collect()
     }
 
     /// Number of samples.
@@ -240,16 +245,17 @@ fn miss(sample: &Sample, filter: &[f32; ROW]) -> f32 {
 
 /// Logarithm to base 2 from the bits of a float: the same on every machine, within 0.01.
 #[inline(always)]
-fn log2(value: f32) -> f32 {
+pub(super) fn log2(value: f32) -> f32 {
     let bits = value.to_bits();
     let exponent = (bits >> 23) as f32 - 127.0;
     let x = f32::from_bits((bits & 0x007f_ffff) | 0x3f80_0000) - 1.0;
     exponent + x * (1.342_57 - 0.342_57 * x)
 }
 
-/// Solves a symmetric positive system by Cholesky's method; only the lower triangle is read.
-fn solve(matrix: &mut [[f64; MAX_TAPS]; MAX_TAPS], right: &[f64; MAX_TAPS], count: usize) -> [f64; MAX_TAPS] {
-    let mut x = [0.0; MAX_TAPS];
+/// Solves the first `count` equations of a symmetric positive system by Cholesky's method; only the lower triangle is
+/// read.
+pub(super) fn solve<const N: usize>(matrix: &mut [[f64; N]; N], right: &[f64; N], count: usize) -> [f64; N] {
+    let mut x = [0.0; N];
     for i in 0..count {
         for j in 0..=i {
             let known: f64 = matrix[i][..j].iter().zip(&matrix[j][..j]).map(|(a, b)| a * b).sum();

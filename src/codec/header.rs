@@ -4,6 +4,7 @@ use super::bits::{BitReader, BitWriter};
 use super::context::{greatest_coarseness, usual_coarseness};
 use super::mapping::{Mapping, Meaning};
 use super::tile::{BandRule, Bound};
+use super::zones::{MAX_ZONES, ZONED_FROM};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
 
@@ -19,6 +20,8 @@ pub(super) struct Header {
     pub(super) coarseness: u32,
     /// Whether copies are told.
     pub(super) copies: bool,
+    /// Number of zones.
+    pub(super) zones: usize,
     /// Whether cells are written out.
     pub(super) patched: bool,
     /// The coarsest cell.
@@ -26,8 +29,8 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Writes the header.
-    pub(super) fn write(&self, bits: &mut BitWriter, sample: SampleType) {
+    /// Writes the header of a tile of so many levels.
+    pub(super) fn write(&self, bits: &mut BitWriter, sample: SampleType, levels: u8) {
         bits.put(u64::from(self.voids.is_some()), 1);
         if let Some(top) = self.voids {
             bits.put(u64::from(top), 1);
@@ -49,12 +52,15 @@ impl Header {
             if self.mapping.step == 1 {
                 bits.put(u64::from(self.copies), 1);
             }
+            if levels >= ZONED_FROM {
+                bits.put(self.zones as u64 - 1, 2);
+            }
             bits.put_signed(self.seed, self.mapping.range_bits.min(60));
         }
     }
 
-    /// Reads the header of a tile of a band.
-    pub(super) fn read(bits: &mut BitReader<'_>, rule: &BandRule) -> Result<Self> {
+    /// Reads the header of a tile of a band and of so many levels.
+    pub(super) fn read(bits: &mut BitReader<'_>, rule: &BandRule, levels: u8) -> Result<Self> {
         let sample = rule.sample;
         let is_float = matches!(sample, SampleType::F32 | SampleType::F64);
         let (mut voids, mut void_bits) = (None, None);
@@ -75,7 +81,7 @@ impl Header {
         if rule.bound == Bound::Lossless && (mapping.step > 1 || matches!(mapping.meaning, Meaning::Fixed { .. })) {
             return Err(Error::new(ErrorKind::Corrupt, "a tile of a lossless band has lost something"));
         }
-        let (mut copies, mut seed) = (false, 0);
+        let (mut copies, mut zones, mut seed) = (false, 1, 0);
         let mut coarseness = usual_coarseness(mapping.step);
         if mapping.range_bits > 0 {
             if bits.take(1) == 1 {
@@ -87,12 +93,18 @@ impl Header {
                         format!("a tile's errors are coarsened by {coarseness} bits; at most {greatest} are allowed"),
                     ));
                 }
+                if coarseness == usual_coarseness(mapping.step) {
+                    return Err(Error::new(ErrorKind::Corrupt, "a tile tells a coarseness that is the usual one"));
+                }
             }
             copies = mapping.step == 1 && bits.take(1) == 1;
+            if levels >= ZONED_FROM {
+                zones = bits.take(2) as usize + 1;
+            }
             seed = bits.take_signed(mapping.range_bits.min(60));
         }
         bits.check()?;
-        Ok(Self { mapping, voids, void_bits, coarseness, copies, patched, seed })
+        Ok(Self { mapping, voids, void_bits, coarseness, copies, zones, patched, seed })
     }
 }
 
@@ -111,3 +123,5 @@ pub(super) fn take_cell(bits: &mut BitReader<'_>, sample: SampleType) -> u64 {
     let low = bits.take(width.min(32));
     if width > 32 { low | bits.take(width - 32) << 32 } else { low }
 }
+
+const _: () = assert!(MAX_ZONES == 4, "as many bits as zones take");

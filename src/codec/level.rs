@@ -15,6 +15,7 @@ use super::tables::{CENTRE, ESCAPE, TableSet, table_set};
 use super::taps::{Known, PASSES, Pass};
 use super::tile::TileShape;
 use super::word::Word;
+use super::zones::Zones;
 use crate::error::{Error, ErrorKind, Result};
 
 /// Number of levels of a tile above the finest: so many that the coarsest has one cell.
@@ -226,6 +227,7 @@ pub(super) fn decode_segment<W: Word>(
     finest: u8,
     rule: TileRule,
     voids: &[VoidLevel],
+    zones: Option<&Zones>,
     restored: &mut Restored<'_>,
 ) -> Result<Option<Level<W>>> {
     let mut count = 0;
@@ -269,8 +271,9 @@ pub(super) fn decode_segment<W: Word>(
                 Some(copies) => Some(copies.still()),
                 None => hole.map(|marks| Still { marks, copies: None }),
             };
-            let params = PassParams::read(side, pass, l)?;
-            Ok(run_pass(pass, size, cells, errors, still, &params, rule, Bands::All, &mut reading))
+            let zones = zones.and_then(|zones| zones.at_level(l));
+            let params = PassParams::read_all(side, pass, l, zones.map_or(1, |zones| zones.count()))?;
+            Ok(run_pass(pass, size, cells, errors, still, &params, zones, rule, Bands::All, &mut reading))
         })?;
         if l == finest {
             refined.rows(|row| restored.push(row));

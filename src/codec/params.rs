@@ -26,7 +26,7 @@ pub(super) const SERIAL_UP_TO: u8 = 2;
 /// Greatest shift of the bins, either way.
 pub(super) const SHIFT_LIMIT: i32 = 3;
 
-/// Parameters of one pass.
+/// Parameters of one pass in one zone.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PassParams {
     /// Whether predictions use the cells to the left in the same plane.
@@ -87,11 +87,16 @@ impl PassParams {
         pass.tap_count() - if serial { 0 } else { SERIAL_TAPS }
     }
 
-    /// Writes the parameters of a pass of a level.
-    pub(super) fn write(&self, bits: &mut BitWriter, pass: Pass, level: u8) {
+    /// Writes the parameters of a pass of a level, zone by zone.
+    pub(super) fn write_all(all: &[Self], bits: &mut BitWriter, pass: Pass, level: u8) {
         if level <= SERIAL_UP_TO {
-            bits.put(u64::from(self.serial), 1);
+            bits.put(u64::from(all[0].serial), 1);
         }
+        all.iter().for_each(|params| params.write(bits, pass));
+    }
+
+    /// Writes the parameters of a zone.
+    fn write(&self, bits: &mut BitWriter, pass: Pass) {
         bits.put(u64::from(self.shape), 1);
         bits.put((self.shift + SHIFT_LIMIT) as u64, 3);
         bits.put(u64::from(self.filter_variant.is_none()), 1);
@@ -113,10 +118,15 @@ impl PassParams {
         }
     }
 
-    /// Reads what [`PassParams::write`] wrote.
-    pub(super) fn read(bits: &mut BitReader<'_>, pass: Pass, level: u8) -> Result<Self> {
-        let corrupt = |what: String| Error::new(ErrorKind::Corrupt, what);
+    /// Reads what [`PassParams::write_all`] wrote for so many zones.
+    pub(super) fn read_all(bits: &mut BitReader<'_>, pass: Pass, level: u8, zones: usize) -> Result<Vec<Self>> {
         let serial = level <= SERIAL_UP_TO && bits.take(1) == 1;
+        (0..zones).map(|_| Self::read(bits, pass, serial)).collect()
+    }
+
+    /// Reads the parameters of a zone.
+    fn read(bits: &mut BitReader<'_>, pass: Pass, serial: bool) -> Result<Self> {
+        let corrupt = |what: String| Error::new(ErrorKind::Corrupt, what);
         let shape = bits.take(1) as u8;
         let shift = bits.take(3) as i32 - SHIFT_LIMIT;
         if shift > SHIFT_LIMIT {

@@ -5,12 +5,14 @@
 //! cell.
 
 use super::bands::Bands;
-use super::context::{Asks, TileRule, context_of, contexts_of};
+use super::context::{Asks, TileRule, context_of, contexts_of, zone_context};
 use super::copies::{COPY, Still};
 use super::params::{ERROR_WEIGHTS, PassParams};
 use super::plane::{FRAME, Plane};
 use super::taps::{Known, MAX_TAPS, Pass, SERIAL_TAPS};
 use super::word::Word;
+use super::zones::LevelZones;
+use std::ops::Range;
 
 /// Fraction bits of a filter's weights.
 pub(super) const FRACTION: u32 = 10;
@@ -132,12 +134,20 @@ pub(super) fn pairs<T>(pass: Pass, [a, b, c, d]: [T; 4]) -> [T; 4] {
     if pass == Pass::C { [a, d, b, c] } else { [a, b, c, d] }
 }
 
-/// Nearest cells, their mean, their spread, and what of the expected error they tell.
+/// Nearest cells, their mean, their spread, and what of the expected error they tell; returns how many of the run are of
+/// the steep class.
 #[inline(always)]
-fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params: &PassParams, rule: TileRule) {
-    let count = rows.base.len();
+fn look_around<W: Word>(
+    pass: Pass,
+    near: [&[W]; 4],
+    rows: &mut Rows<W>,
+    span: &Range<usize>,
+    params: &PassParams,
+    rule: TileRule,
+) -> usize {
+    let count = span.len();
     let [a, b, c, d] = near.map(|run| &run[..count]);
-    let (base, expected) = (&mut rows.base[..count], &mut rows.expected[..count]);
+    let (base, expected) = (&mut rows.base[span.clone()][..count], &mut rows.expected[span.clone()][..count]);
     for j in 0..count {
         base[j] = mean(a[j], b[j], c[j], d[j]);
     }
@@ -148,19 +158,24 @@ fn look_around<W: Word>(pass: Pass, near: [&[W]; 4], rows: &mut Rows<W>, params:
         let (spread, across) = spread_and_across([p[j], q[j], r[j], s[j]], base[j], rule.coarseness);
         expected[j] = floor + spread_weight * spread + across_weight * across;
     }
-    if params.classes == 2 {
-        let flat = u32::try_from(rule.step.saturating_mul(2)).unwrap_or(u32::MAX);
-        for (j, class) in rows.class[..count].iter_mut().enumerate() {
-            let (one, other) = (p[j].minus(q[j]).magnitude(), r[j].minus(s[j]).magnitude());
-            *class = u8::from(one.saturating_add(other) > flat);
-        }
+    if params.classes < 2 {
+        return 0;
     }
+    let flat = u32::try_from(rule.step.saturating_mul(2)).unwrap_or(u32::MAX);
+    let mut steep = 0;
+    for (j, class) in rows.class[span.clone()].iter_mut().enumerate() {
+        let (one, other) = (p[j].minus(q[j]).magnitude(), r[j].minus(s[j]).magnitude());
+        *class = u8::from(one.saturating_add(other) > flat);
+        steep += u32::from(*class);
+    }
+    steep as usize
 }
 
 /// Runs a pass and returns its cells and errors, framed, with the widest vectors that the processor has.
 ///
 /// `still` says which cells take no residual: voids, which are filled with their prediction, and copies. `bands` are the rows
-/// to run: all of them, unless an encoder wants a sample.
+/// to run: all of them, unless an encoder wants a sample. There are parameters for each zone; all of them are serial or
+/// none is.
 #[allow(clippy::too_many_arguments, reason = "the parts of a level, each of its own type")]
 pub(super) fn run_pass<W: Word, R: Residuals<W>>(
     pass: Pass,
@@ -168,14 +183,15 @@ pub(super) fn run_pass<W: Word, R: Residuals<W>>(
     cells: Known<'_, W>,
     errors: Known<'_, u16>,
     still: Option<Still<'_, W>>,
-    params: &PassParams,
+    params: &[PassParams],
+    zones: Option<LevelZones<'_>>,
     rule: TileRule,
     bands: Bands,
     residuals: &mut R,
 ) -> (Plane<W>, Plane<u16>) {
     super::vectors::widest(
         #[inline(always)]
-        || run(pass, size, cells, errors, still, params, rule, bands, residuals),
+        || run(pass, size, cells, errors, still, params, zones, rule, bands, residuals),
     )
 }
 
@@ -187,7 +203,8 @@ fn run<W: Word, R: Residuals<W>>(
     cells: Known<'_, W>,
     errors: Known<'_, u16>,
     still: Option<Still<'_, W>>,
-    params: &PassParams,
+    params: &[PassParams],
+    zones: Option<LevelZones<'_>>,
     rule: TileRule,
     bands: Bands,
     residuals: &mut R,
@@ -212,7 +229,8 @@ fn run<W: Word, R: Residuals<W>>(
         residuals: vec![W::default(); width],
     };
     let taps = pass.taps();
-    let [w_above, w_left, w_left2] = [params.weights[5], params.weights[6], params.weights[7]];
+    // Runs of cells with the same parameters, and which.
+    let mut spans = vec![(0..width, 0)];
     for (row, first) in bands.rows(height) {
         if first {
             for above in [row as isize - 1, row as isize - 2] {
@@ -221,34 +239,57 @@ fn run<W: Word, R: Residuals<W>>(
                 own_errors.framed_row_mut(above)[..reach].copy_from_slice(&errors.a.framed_row(row)[..reach]);
             }
         }
+        if let Some(zones) = zones
+            && (first || !zones.is_as_above(row))
+        {
+            zones.spans(row, width, &mut spans);
+        }
         // What is known of the row before its first cell.
-        let near = std::array::from_fn(|k| cells.run(&own, taps[k], row, width));
-        look_around(pass, near, &mut rows, params, rule);
-        for (group, &weight) in pass.error_groups().iter().zip(&params.weights) {
-            let mut runs = [&[][..]; 4];
+        let mut runs = [&[][..]; MAX_TAPS];
+        for (run, &tap) in runs.iter_mut().zip(taps) {
+            *run = cells.run(&own, tap, row, width);
+        }
+        let mut groups = [[&[][..]; 4]; 3];
+        for (runs, group) in groups.iter_mut().zip(pass.error_groups()) {
             for (run, &tap) in runs.iter_mut().zip(*group) {
                 *run = errors.run(&own_errors, tap, row, width);
             }
-            weigh_errors(&mut rows.expected, &runs[..group.len()], weight);
         }
-        let above = |col: isize| own_errors.run(row as isize - 1, col, width);
-        weigh_errors(&mut rows.expected, &[above(-1), above(0), above(0), above(1)], w_above);
-        for class in 0..usize::from(params.classes) {
-            let filter = &params.filters[class];
-            let total: i32 = filter.iter().sum();
-            let sum = if class == 0 { &mut rows.deviation } else { &mut rows.spare };
-            for (sum, base) in sum.iter_mut().zip(&rows.base) {
-                *sum = base.times(total.wrapping_neg());
+        let above = [-1, 0, 0, 1].map(|col| own_errors.run(row as isize - 1, col, width));
+        for (span, zone) in &spans {
+            let params = &params[*zone];
+            let near = [0, 1, 2, 3].map(|tap| &runs[tap][span.clone()]);
+            let steep = look_around(pass, near, &mut rows, span, params, rule);
+            let expected = &mut rows.expected[span.clone()];
+            for ((group, taps), &weight) in groups.iter().zip(pass.error_groups()).zip(&params.weights) {
+                let group = group.map(|run| run.get(span.clone()).unwrap_or_default());
+                weigh_errors(expected, &group[..taps.len()], weight);
             }
-            let mut runs = [(&[][..], 0); MAX_TAPS];
-            for (run, (&tap, &weight)) in runs.iter_mut().zip(taps.iter().zip(filter)) {
-                *run = (cells.run(&own, tap, row, width), weight);
+            weigh_errors(expected, &above.map(|run| &run[span.clone()]), params.weights[5]);
+            for class in 0..2 {
+                if steep == if class == 0 { span.len() } else { 0 } {
+                    // No cell is of this class.
+                    continue;
+                }
+                let filter = &params.filters[class];
+                let total: i32 = filter.iter().sum();
+                let sum =
+                    if steep == 0 || steep == span.len() || class == 0 { &mut rows.deviation } else { &mut rows.spare };
+                let sum = &mut sum[span.clone()];
+                for (sum, base) in sum.iter_mut().zip(&rows.base[span.clone()]) {
+                    *sum = base.times(total.wrapping_neg());
+                }
+                let mut weighted = [(&[][..], 0); MAX_TAPS];
+                for (weighted, (run, &weight)) in weighted.iter_mut().zip(runs[..taps.len()].iter().zip(filter)) {
+                    *weighted = (&run[span.clone()], weight);
+                }
+                weigh(sum, &weighted[..taps.len()]);
             }
-            weigh(sum, &runs[..taps.len()]);
-        }
-        if params.classes == 2 {
-            for ((deviation, &spare), &class) in rows.deviation.iter_mut().zip(&rows.spare).zip(&rows.class) {
-                *deviation = if class == 0 { *deviation } else { spare };
+            if steep > 0 && steep < span.len() {
+                let (spare, class) = (&rows.spare[span.clone()], &rows.class[span.clone()]);
+                for ((deviation, &spare), &class) in rows.deviation[span.clone()].iter_mut().zip(spare).zip(class) {
+                    *deviation = if class == 0 { *deviation } else { spare };
+                }
             }
         }
         let holes = still.map(|still| still.marks.row(row));
@@ -260,9 +301,7 @@ fn run<W: Word, R: Residuals<W>>(
         let error_line = own_errors.framed_row_mut(row as isize);
         line[..FRAME].fill(first);
         error_line[..FRAME].fill(first_error);
-        if params.serial {
-            let serial: [[i32; SERIAL_TAPS]; 2] =
-                std::array::from_fn(|class| std::array::from_fn(|k| params.filters[class][taps.len() + k]));
+        if params[0].serial {
             let (mut left, mut left2) = (first, first);
             let (mut left_error, mut left2_error) = (u32::from(first_error), u32::from(first_error));
             let Rows { base, deviation, class, expected, spare, contexts, residuals: taken } = &mut rows;
@@ -270,36 +309,44 @@ fn run<W: Word, R: Residuals<W>>(
                 (&base[..width], &deviation[..width], &class[..width], &expected[..width]);
             let (turns, contexts, taken) = (&mut spare[..width], &mut contexts[..width], &mut taken[..width]);
             let (line, error_line) = (&mut line[FRAME..FRAME + width], &mut error_line[FRAME..FRAME + width]);
-            for col in 0..width {
-                let [p, q] = serial[usize::from(class[col] & 1)];
-                // The weights' share of the base is in the sum already.
-                let deviation = deviation[col].plus(left.times(p)).plus(left2.times(q));
-                let expected = expected[col] + w_left * left_error + w_left2 * left2_error;
-                let (prediction, rest) = rounded(base[col], deviation);
-                let mark = holes.map_or(0, |holes| holes[col]);
-                let (value, error) = if mark != 0 {
-                    match copies {
-                        Some(copies) if mark == COPY => (copies[col], 0),
-                        _ => (prediction, u32::from(nearest_errors[col])),
-                    }
-                } else {
-                    let context = context_of(expected, rest.low(), class_factor);
-                    let turn = rest.kept(turning);
-                    let residual = residuals.next(&asks, row, col, prediction, context, turn);
-                    if R::KEEPS {
-                        (contexts[col], turns[col], taken[col]) = (context, turn, residual);
-                    }
-                    let jump = residual.product(step);
-                    let error = match rule.coarseness {
-                        0 => jump.fine_error(rest),
-                        coarseness => jump.error(coarseness),
+            for (span, zone) in &spans {
+                let params = &params[*zone];
+                let zone_bits = zone_context(*zone);
+                let [w_left, w_left2] = [params.weights[6], params.weights[7]];
+                let serial: [[i32; SERIAL_TAPS]; 2] =
+                    std::array::from_fn(|class| std::array::from_fn(|k| params.filters[class][taps.len() + k]));
+                let classed = params.classes == 2;
+                for col in span.clone() {
+                    let [p, q] = serial[usize::from(classed) & usize::from(class[col] & 1)];
+                    // The weights' share of the base is in the sum already.
+                    let deviation = deviation[col].plus(left.times(p)).plus(left2.times(q));
+                    let expected = expected[col] + w_left * left_error + w_left2 * left2_error;
+                    let (prediction, rest) = rounded(base[col], deviation);
+                    let mark = holes.map_or(0, |holes| holes[col]);
+                    let (value, error) = if mark != 0 {
+                        match copies {
+                            Some(copies) if mark == COPY => (copies[col], 0),
+                            _ => (prediction, u32::from(nearest_errors[col])),
+                        }
+                    } else {
+                        let context = context_of(expected, rest.low(), class_factor) | zone_bits;
+                        let turn = rest.kept(turning);
+                        let residual = residuals.next(&asks, row, col, prediction, context, turn);
+                        if R::KEEPS {
+                            (contexts[col], turns[col], taken[col]) = (context, turn, residual);
+                        }
+                        let jump = residual.product(step);
+                        let error = match rule.coarseness {
+                            0 => jump.fine_error(rest),
+                            coarseness => jump.error(coarseness),
+                        };
+                        (prediction.plus(jump), error)
                     };
-                    (prediction.plus(jump), error)
-                };
-                line[col] = value;
-                error_line[col] = error as u16;
-                (left2, left) = (left, value);
-                (left2_error, left_error) = (left_error, error);
+                    line[col] = value;
+                    error_line[col] = error as u16;
+                    (left2, left) = (left, value);
+                    (left2_error, left_error) = (left_error, error);
+                }
             }
             if R::KEEPS {
                 residuals.keep(&Planned { predictions: base, contexts, turns, holes }, taken);
@@ -311,6 +358,9 @@ fn run<W: Word, R: Residuals<W>>(
                 (*base, *deviation) = rounded(*base, *deviation);
             }
             contexts_of(&mut rows.contexts[..width], &rows.expected[..width], |col| rests[col].low(), class_factor);
+            for (span, zone) in spans.iter().filter(|(_, zone)| *zone > 0) {
+                rows.contexts[span.clone()].iter_mut().for_each(|context| *context |= zone_context(*zone));
+            }
             let turns = &mut rows.spare[..width];
             for (turn, rest) in turns.iter_mut().zip(rests.iter()) {
                 *turn = rest.kept(turning);

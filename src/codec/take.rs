@@ -1,6 +1,6 @@
 //! Takes the residuals of a pass, and finds out what they cost.
 
-use super::context::{Asks, TileRule};
+use super::context::{Asks, TileRule, zone_of};
 use super::cost::{cost_of, symbol_costs};
 use super::params::{PassParams, SHIFT_LIMIT};
 use super::pass::{Planned, Residuals};
@@ -32,13 +32,15 @@ impl<'a, W: Word> Taken<'a, W> {
         }
     }
 
-    /// How the residuals spread over the symbols of the plain tables.
-    pub(super) fn histogram(&self, params: &PassParams, rule: TileRule) -> Histogram {
-        let plain = PassParams { shape: 0, shift: 0, ..params.clone() };
+    /// How the residuals of each zone spread over the symbols of the plain tables.
+    pub(super) fn histograms(&self, params: &[PassParams], rule: TileRule) -> Vec<Histogram> {
+        let plain: Vec<_> = params.iter().map(|params| PassParams { shape: 0, shift: 0, ..params.clone() }).collect();
         let asks = Asks::new(&plain, rule);
-        let mut histogram = Histogram { counts: vec![[0; SYMBOLS]; TABLES / SHAPES], escaped: 0, raw: 0 };
+        let new = || Histogram { counts: vec![[0; SYMBOLS]; TABLES / SHAPES], escaped: 0, raw: 0 };
+        let mut histograms: Vec<Histogram> = params.iter().map(|_| new()).collect();
         for (&k, &context) in self.residuals.iter().zip(&self.contexts) {
             let ask = asks.of(context);
+            let histogram = &mut histograms[zone_of(context)];
             histogram.raw += u64::from(ask.raw);
             let k = k.wide() >> ask.raw;
             let symbol = symbol_of(k);
@@ -47,7 +49,7 @@ impl<'a, W: Word> Taken<'a, W> {
                 histogram.escaped += u64::from(number_bits(k)) << 8;
             }
         }
-        histogram
+        histograms
     }
 }
 

@@ -10,6 +10,7 @@
 mod bits;
 mod elevations;
 mod georeference;
+mod heights;
 mod key;
 pub mod neighbours;
 mod raster;
@@ -18,6 +19,7 @@ mod window;
 
 pub use elevations::{Elevations, Sample, SampleType};
 pub use georeference::GeoTransform;
+pub use heights::{HeightRows, Heights};
 pub use key::Key;
 pub use raster::{AnyGrid, Cell, Grid};
 pub use window::window_of;

@@ -1,8 +1,9 @@
 //! Files, through GDAL: the only folder that says `gdal::`.
 //!
 //! [`raster`] reads and writes elevation models, [`features`] reads vector layers and [`vector`] writes them,
-//! [`transform`] turns coordinates into longitudes and latitudes, [`output`] and [`output_folder`] see to it that no
-//! file is left half-written, [`messages`] turns what GDAL says into errors of this crate.
+//! [`transform`] turns coordinates into longitudes and latitudes and those into a plane's, [`output`] and
+//! [`output_folder`] see to it that no file is left half-written, [`messages`] turns what GDAL says into errors of this
+//! crate.
 
 pub mod features;
 pub mod messages;

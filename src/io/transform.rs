@@ -1,7 +1,7 @@
-//! From projected coordinates to longitude and latitude, on the CRS's own ellipsoid.
+//! Between projected coordinates and longitude and latitude, on the CRS's own ellipsoid.
 
 use super::messages::quiet;
-use crate::crs::{Crs, ToGeographic};
+use crate::crs::{Crs, Ellipsoid, ToGeographic};
 use crate::error::{Error, ErrorKind, Result};
 use gdal::spatial_ref::{AxisMappingStrategy, CoordTransform, SpatialRef};
 use std::cell::RefCell;
@@ -57,5 +57,53 @@ impl ToGeographic for OwnGeographic {
                 }
             }
         });
+    }
+}
+
+/// A plane that touches an ellipsoid: the stereographic projection about a point, true to angles, with distances that
+/// are longer by a part in 500 at 5 degrees from it and one in 130 at 10.
+#[derive(Debug)]
+pub struct LocalPlane {
+    transform: CoordTransform,
+    definition: String,
+}
+
+impl LocalPlane {
+    /// The plane that touches an ellipsoid at a longitude and latitude in degrees.
+    ///
+    /// # Errors
+    /// When PROJ cannot do it.
+    pub fn new(ellipsoid: &Ellipsoid, lon: f64, lat: f64) -> Result<Self> {
+        quiet();
+        let body = format!("+a={} +b={} +no_defs", ellipsoid.a_m, ellipsoid.b_m());
+        let definition = format!("+proj=stere +lat_0={lat} +lon_0={lon} +k=1 +x_0=0 +y_0=0 +units=m {body}");
+        let wrong = |error: gdal::errors::GdalError| {
+            Error::new(ErrorKind::Unsupported, format!("PROJ cannot project to a plane at {lon}, {lat}: {error}"))
+        };
+        let mut from = SpatialRef::from_proj4(&format!("+proj=longlat {body}")).map_err(wrong)?;
+        let to = SpatialRef::from_proj4(&definition).map_err(wrong)?;
+        from.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);
+        let transform = CoordTransform::new(&from, &to).map_err(wrong)?;
+        Ok(Self { transform, definition })
+    }
+
+    /// The plane as a PROJ string.
+    pub fn definition(&self) -> &str {
+        &self.definition
+    }
+
+    /// Metres in the plane in place of longitudes and latitudes in degrees.
+    ///
+    /// # Errors
+    /// When a place has no image.
+    pub fn project(&self, x: &mut [f64], y: &mut [f64]) -> Result<()> {
+        let done = self.transform.transform_coords(x, y, &mut []).is_ok();
+        if done && x.iter().chain(y.iter()).all(|v| v.is_finite()) {
+            return Ok(());
+        }
+        Err(Error::new(
+            ErrorKind::Unsupported,
+            "some cells have no place in the plane that touches the raster's middle",
+        ))
     }
 }

@@ -3,10 +3,12 @@
 use super::chunk::{ChunkBytes, stored_length};
 use super::index::Index;
 use super::source::RangeRead;
+use super::sparse::Sparse;
 use super::tiling::{Place, Tiling};
 use crate::codec::{BandRule, SEGMENTS};
 use crate::error::{Error, ErrorKind, Result};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Chunks that lie no further apart are read in one request.
 const GAP: u64 = 64 << 10;
@@ -16,6 +18,8 @@ const MAX_RUN: u64 = 16 << 20;
 /// Chunks with what is needed to find and to decode them.
 #[derive(Debug)]
 pub(super) struct Area {
+    /// How chunks are patches, where they are no cells.
+    pub(super) sparse: Option<Arc<Sparse>>,
     pub(super) tiling: Tiling,
     pub(super) rules: Vec<BandRule>,
     pub(super) start: u64,
@@ -75,7 +79,9 @@ impl Area {
             ChunkBytes {
                 place,
                 shape: self.tiling.shape(place.col, place.row),
+                side: self.tiling.side,
                 rule: self.rules[place.band],
+                sparse: self.sparse.clone(),
                 lengths: self.index.lengths(chunk),
                 bytes: bytes[start..start + (range.end - range.start) as usize].to_vec(),
             }

@@ -226,7 +226,7 @@ fn faults_of(area: &Area, chunk: &ChunkBytes, at: fn(Place, Option<usize>) -> Fa
         };
         return damaged.into_iter().map(fault).collect();
     }
-    let broken = [0, TOP_LEVEL].into_iter().find_map(|level| chunk.decode(level).err());
+    let broken = chunk.check().err();
     let fault =
         |error: Error| Fault { place: at(chunk.place, None), offset: range(0).start, message: error.message().into() };
     broken.map(fault).into_iter().collect()

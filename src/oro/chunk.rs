@@ -1,11 +1,13 @@
 //! A chunk: one tile of one band as it stands in the file, every segment with its checksum.
 
 use super::description::Description;
+use super::sparse::Sparse;
 use super::tiling::Place;
 use crate::codec::{
     BandRule, Bound, Cells, EncodedTile, SEGMENTS, TOP_LEVEL, TileShape, decode_tile, encode_tile, segments_for,
 };
 use crate::error::{Error, ErrorKind, Result};
+use std::sync::Arc;
 
 /// Bytes of the checksum after each segment that is not empty.
 pub(super) const CHECKSUM: usize = 4;
@@ -50,7 +52,7 @@ pub(super) fn encode(place: Place, shape: TileShape, rule: &BandRule, cells: &Ce
 }
 
 /// The bytes of a chunk and the lengths of its segments.
-fn seal(tile: &EncodedTile) -> Result<(Vec<u8>, [u32; SEGMENTS])> {
+pub(super) fn seal(tile: &EncodedTile) -> Result<(Vec<u8>, [u32; SEGMENTS])> {
     // A chunk without bytes would let a tiny file claim any number of tiles.
     if tile.segments[0].is_empty() {
         return Err(Error::new(
@@ -117,8 +119,12 @@ pub struct ChunkBytes {
     pub place: Place,
     /// Size of its tile.
     pub shape: TileShape,
+    /// Side of whole tiles.
+    pub(super) side: usize,
     /// Type, nodata value and bound of its cells.
     pub rule: BandRule,
+    /// How it is made of patches, where it is not one of cells.
+    pub(super) sparse: Option<Arc<Sparse>>,
     /// Lengths of all of its segments, without checksums.
     pub lengths: [u32; SEGMENTS],
     /// Its first segments with their checksums.
@@ -136,11 +142,10 @@ impl ChunkBytes {
         if level > TOP_LEVEL {
             return Err(Error::usage(format!("level {level}: a tile has levels 0 to {TOP_LEVEL}")));
         }
-        let (segments, damaged) = self.segments();
-        if let Some(&segment) = damaged.iter().find(|&&segment| segment < segments_for(level)) {
-            return Err(Error::new(ErrorKind::Corrupt, "the checksum is wrong: the bytes are damaged")
-                .at_place(format!("{}, segment {segment}", self.place)));
+        if self.sparse.is_some() {
+            return Err(Error::usage("the tile is made of patches, and so of its neighbours: read a window"));
         }
+        let segments = self.sound_segments(segments_for(level))?;
         let cells = decode_tile(&segments, self.shape, &self.rule, level)
             .map_err(|error| error.at_place(self.place.to_string()))?;
         let expected = self.shape.at_level(level);
@@ -150,6 +155,27 @@ impl ChunkBytes {
             );
         }
         Ok(cells)
+    }
+
+    /// Looks whether the chunk can be decoded, once all of it was read.
+    ///
+    /// # Errors
+    /// As [`ChunkBytes::decode`].
+    pub fn check(&self) -> Result<()> {
+        match &self.sparse {
+            Some(sparse) => self.patches(sparse).map(|_| ()),
+            None => [0, TOP_LEVEL].into_iter().try_for_each(|level| self.decode(level).map(|_| ())),
+        }
+    }
+
+    /// The segments, when the first `needed` are sound.
+    pub(super) fn sound_segments(&self, needed: usize) -> Result<Vec<&[u8]>> {
+        let (segments, damaged) = self.segments();
+        match damaged.iter().find(|&&segment| segment < needed) {
+            None => Ok(segments),
+            Some(&segment) => Err(Error::new(ErrorKind::Corrupt, "the checksum is wrong: the bytes are damaged")
+                .at_place(format!("{}, segment {segment}", self.place))),
+        }
     }
 
     /// The segments that the bytes hold, and the numbers of those whose checksum is wrong.

@@ -17,10 +17,8 @@ pub enum SectionType {
     Index,
     /// OVER: level 6 of the whole raster, once more.
     Overview,
-    /// DICT: a dictionary of patches (the sparse profile, reserved).
+    /// DICT: a dictionary of patches (the sparse profile).
     Dictionary,
-    /// COEF: coefficients of a dictionary (the sparse profile, reserved).
-    Coefficients,
     /// One that this program does not know and need not know.
     Unknown(u8),
 }
@@ -32,7 +30,6 @@ impl SectionType {
             Self::Index => 2,
             Self::Overview => 3,
             Self::Dictionary => 4,
-            Self::Coefficients => 5,
             Self::Unknown(number) => number,
         }
     }
@@ -43,14 +40,13 @@ impl SectionType {
             2 => Self::Index,
             3 => Self::Overview,
             4 => Self::Dictionary,
-            5 => Self::Coefficients,
             other => Self::Unknown(other),
         }
     }
 
     /// Whether this program can do something with it.
     fn is_understood(self) -> bool {
-        matches!(self, Self::Metadata | Self::Index | Self::Overview)
+        matches!(self, Self::Metadata | Self::Index | Self::Overview | Self::Dictionary)
     }
 
     /// The name in the specification.
@@ -60,7 +56,6 @@ impl SectionType {
             Self::Index => "INDX",
             Self::Overview => "OVER",
             Self::Dictionary => "DICT",
-            Self::Coefficients => "COEF",
             Self::Unknown(_) => "unknown",
         }
     }
@@ -72,7 +67,6 @@ impl SectionType {
             Self::Index => "section INDX",
             Self::Overview => "section OVER",
             Self::Dictionary => "section DICT",
-            Self::Coefficients => "section COEF",
             Self::Unknown(_) => "section of an unknown type",
         }
     }

@@ -47,6 +47,7 @@ mod bytes;
 mod check;
 mod chunk;
 mod description;
+mod dictionary;
 mod directory;
 mod footer;
 mod header;
@@ -55,6 +56,7 @@ mod metadata;
 mod overview;
 mod reader;
 mod source;
+mod sparse;
 mod text;
 mod tiling;
 mod window;
@@ -66,10 +68,12 @@ pub use description::{
     Band, CellMeaning, DEFAULT_TILE_SIDE, Description, Georeference, MAX_BANDS, MAX_CHUNKS, MAX_LEVEL, MAX_SIDE,
     MAX_TEXT, MetadataItem, TILE_SIDE_STEP,
 };
+pub use dictionary::{Dictionary, Found};
 pub use directory::{Section, SectionType};
 pub use header::{MAGIC, VERSION};
 pub use reader::Reader;
 pub use source::RangeRead;
+pub use sparse::encode_patch_chunk;
 pub use tiling::{Place, Tiling};
 pub use window::Window;
 pub use writer::{Summary, Writer};

@@ -3,23 +3,28 @@
 use super::area::{Area, Run, read_range};
 use super::chunk::ChunkBytes;
 use super::description::Description;
+use super::dictionary::{self, Dictionary};
 use super::directory::{self, Section, SectionType};
 use super::footer::{self, Footer};
 use super::header;
 use super::index::Index;
 use super::source::RangeRead;
+use super::sparse::Sparse;
 use super::tiling::Place;
+use super::window::Window;
 use super::{bytes::Cursor, index, metadata, overview};
-use crate::codec::{Cells, SEGMENTS, segments_for};
+use crate::codec::{Cells, SEGMENTS, TOP_LEVEL, segments_for};
 use crate::error::{Error, ErrorKind, Result};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Bytes that are read from the end of a file to open it.
 pub(super) const OPENING: usize = 64 << 10;
 
 /// An open container.
 ///
-/// Opening takes one request for the last 64 KiB, and a second one where index and metadata are larger than that.
+/// Opening takes one request for the last 64 KiB, and a second one where index and metadata are larger than that; a
+/// dictionary that is not among those bytes takes one more.
 /// Afterwards each tile is one request, and so is a run of tiles that lie side by side in the file. A reader changes
 /// nothing in itself, so threads may share it if they may share the source.
 #[derive(Debug)]
@@ -72,7 +77,17 @@ impl<R: RangeRead> Reader<R> {
         let description = metadata::read(&metadata, chunk_bytes)?;
         let mut cursor = Cursor::new(&index, SectionType::Index.place());
         let rules: Vec<_> = description.bands.iter().map(|band| band.rule).collect();
+        let sparse = match find(SectionType::Dictionary) {
+            None => None,
+            Some(section) => {
+                let [bytes] = tail.sections(&source, [section])?;
+                section.check(&bytes)?;
+                let dictionary = dictionary::read(&bytes, &description)?;
+                Some(Arc::new(Sparse { lattice: dictionary.lattice(&description), dictionary }))
+            }
+        };
         let tiles = Area {
+            sparse,
             tiling: description.tiling(),
             start,
             index: Index::read(&mut cursor, description.chunks(), chunk_bytes)?,
@@ -80,11 +95,16 @@ impl<R: RangeRead> Reader<R> {
         };
         let overview = match find(SectionType::Overview) {
             None => None,
+            Some(_) if tiles.sparse.is_some() => {
+                let message = "there is a section OVER, which patches do not need";
+                return Err(Error::new(ErrorKind::Corrupt, message).at_place(SectionType::Dictionary.place()));
+            }
             Some(section) => {
                 let tiling = overview::tiling(&description);
                 let chunks = tiling.tiles() * description.bands.len() as u64;
                 index::check_count(chunks, section.length)?;
                 Some(Area {
+                    sparse: None,
                     tiling,
                     start: section.offset,
                     index: Index::read(&mut cursor, chunks, section.length)?,
@@ -104,6 +124,11 @@ impl<R: RangeRead> Reader<R> {
     /// The sections of the file, in their order.
     pub fn sections(&self) -> &[Section] {
         &self.sections
+    }
+
+    /// The dictionary of a file of the sparse profile.
+    pub fn dictionary(&self) -> Option<&Dictionary> {
+        self.tiles.sparse.as_deref().map(|sparse| &sparse.dictionary)
     }
 
     /// Length of the file.
@@ -132,11 +157,17 @@ impl<R: RangeRead> Reader<R> {
         self.tiles.index.segment_bytes()
     }
 
-    /// The cells of a tile at a level from 0 to 6, in one request.
+    /// The cells of a tile at a level from 0 to 6, in one request; those of a tile of patches, to which the patches of
+    /// its neighbours belong, in a few.
     ///
     /// # Errors
     /// When the raster has no such tile, or its bytes are damaged.
     pub fn tile(&self, place: Place, level: u8) -> Result<Cells> {
+        if self.tiles.sparse.is_some() && self.tiles.contains(place) && level <= TOP_LEVEL {
+            let (shape, side) = (self.tiles.tiling.shape(place.col, place.row).at_level(level), self.tiles.tiling.side);
+            let (col, row) = (place.col * (side >> level), place.row * (side >> level));
+            return self.window(place.band, level, Window { col, row, width: shape.width, height: shape.height });
+        }
         self.chunk(place, level)?.decode(level)
     }
 

@@ -52,7 +52,10 @@ impl<R: RangeRead> Reader<R> {
         damaged: &mut dyn FnMut(Error) -> Result<()>,
     ) -> Result<Cells> {
         self.check_window(band, level, window)?;
-        let block = window.into();
+        let block: Block = window.into();
+        if let Some(sparse) = &self.tiles.sparse {
+            return self.blend(sparse, band, level, block, damaged);
+        }
         if level >= TOP_LEVEL
             && let Some(overview) = &self.overview
         {

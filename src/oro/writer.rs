@@ -2,6 +2,7 @@
 
 use super::chunk::{Chunk, stored_length};
 use super::description::Description;
+use super::dictionary::{self, Dictionary};
 use super::directory::{self, Section, SectionType};
 use super::footer::{Footer, HASH};
 use super::header::{self, Profile};
@@ -24,6 +25,7 @@ pub struct Writer<W> {
     description: Description,
     lengths: Vec<[u32; SEGMENTS]>,
     overview: Option<overview::Builder>,
+    dictionary: Option<Dictionary>,
     largest_errors: Vec<f64>,
 }
 
@@ -48,11 +50,34 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// When a container cannot hold the raster, or the bytes cannot be written.
     pub fn new(out: W, description: Description) -> Result<Self> {
+        Self::begin(out, description, None)
+    }
+
+    /// Begins a file of the sparse profile, whose chunks come from [`super::encode_patch_chunk`].
+    ///
+    /// # Errors
+    /// As [`Writer::new`], and when the dictionary is none for such a raster.
+    pub fn sparse(out: W, description: Description, dictionary: Dictionary) -> Result<Self> {
+        Self::begin(out, description, Some(dictionary))
+    }
+
+    fn begin(out: W, description: Description, dictionary: Option<Dictionary>) -> Result<Self> {
         description.check()?;
-        let overview = description.has_overview().then(|| overview::Builder::new(&description));
+        dictionary.iter().try_for_each(|dictionary| dictionary.check(&description))?;
+        // Patches have the cells of any level without those between.
+        let has_overview = description.has_overview() && dictionary.is_none();
+        let overview = has_overview.then(|| overview::Builder::new(&description));
         let largest_errors = vec![0.0; description.bands.len()];
-        let mut writer =
-            Self { out, sum: Sha256::new(), written: 0, description, lengths: vec![], overview, largest_errors };
+        let mut writer = Self {
+            out,
+            sum: Sha256::new(),
+            written: 0,
+            description,
+            lengths: vec![],
+            overview,
+            dictionary,
+            largest_errors,
+        };
         writer.put(&header::write(Profile::WRITTEN))?;
         Ok(writer)
     }
@@ -100,6 +125,9 @@ impl<W: Write> Writer<W> {
         if let Some(overview) = self.overview.take() {
             index::write(&mut index, &overview.lengths);
             self.put_section(&mut sections, SectionType::Overview, &overview.bytes)?;
+        }
+        if let Some(dictionary) = self.dictionary.take() {
+            self.put_section(&mut sections, SectionType::Dictionary, &dictionary::write(&dictionary))?;
         }
         let metadata = metadata::write(&self.description);
         self.put_section(&mut sections, SectionType::Metadata, &metadata)?;

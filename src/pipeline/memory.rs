@@ -15,6 +15,12 @@ const MAP_BYTES_PER_PIXEL: u64 = 112;
 /// of their batch, are up to 8 more; the rest is a margin for allocators.
 pub const CODEC_BYTES_PER_CELL: u64 = 80;
 
+/// Bytes a cell of a mesh that has them all: vertices, two triangles each, normals and numbers, in vectors that grow.
+const REGULAR_MESH_BYTES_PER_CELL: u64 = 120;
+
+/// Bytes a vertex that a triangulation takes while it is refined, with its edges, its triangles and their queue.
+const TIN_BYTES_PER_VERTEX: u64 = 480;
+
 /// Bytes that a job takes whatever the raster.
 const FIXED_BYTES: u64 = 96 << 20;
 
@@ -47,6 +53,18 @@ pub fn survey_bytes(cells: u64, key_bytes: u64) -> u64 {
 /// Bytes that a map of so many pixels takes, drawn from a raster of at most twice its resolution.
 pub fn map_bytes(pixels: u64) -> u64 {
     pixels.saturating_mul(MAP_BYTES_PER_PIXEL).saturating_add(FIXED_BYTES)
+}
+
+/// Bytes that a mesh of a raster takes beside its vertices: elevations in double precision, and for a `regular` one all
+/// that it is made of.
+pub fn mesh_bytes(cells: u64, key_bytes: u64, regular: bool) -> u64 {
+    let each = 8 + key_bytes + if regular { REGULAR_MESH_BYTES_PER_CELL } else { 0 };
+    cells.saturating_mul(each).saturating_add(FIXED_BYTES)
+}
+
+/// Vertices of a triangulation that have room in so many bytes.
+pub fn mesh_vertices(bytes: u64) -> usize {
+    usize::try_from(bytes / TIN_BYTES_PER_VERTEX).unwrap_or(usize::MAX)
 }
 
 /// What a job takes that goes through a raster batch by batch.

@@ -10,10 +10,12 @@ mod names;
 mod overlay;
 pub mod peaks;
 mod regions;
+pub mod sparse;
 mod spikes;
 pub mod stats;
 mod surveying;
 mod tags;
+pub mod tin;
 
 pub use metric::{AnyMetric, Distance, metric_of};
 pub use names::Names;

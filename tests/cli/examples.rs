@@ -32,7 +32,7 @@ fn examples(verb: &str) -> Vec<String> {
 fn they_run() {
     let verbs = verbs();
     assert!(
-        ["decode", "encode", "info", "map", "peaks", "stats", "verify"]
+        ["decode", "encode", "info", "learn", "map", "peaks", "stats", "tin", "verify"]
             .iter()
             .all(|known| verbs.iter().any(|verb| verb == known)),
         "{verbs:?}"

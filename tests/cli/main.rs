@@ -9,11 +9,15 @@ mod archive_maps;
 mod examples;
 mod failures;
 mod interrupt;
+#[path = "../mesh_files/mod.rs"]
+mod mesh_files;
 mod outputs;
 mod rasters;
 mod readme;
 #[path = "../schema/mod.rs"]
 mod schema;
+mod sparse;
+mod tin;
 
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -147,3 +147,58 @@ fn copies_come_back() {
         assert!(copied * 3 < other * 2, "{copied} bytes with copies, {other} without");
     }
 }
+
+/// Blocks of different ground, with voids and without: zones.
+fn patchwork(sample: SampleType, shape: TileShape, voids: u64, bound: f64, seed: u64) -> Tile {
+    let grounds = [Ground::Rough, Ground::Smooth, Ground::Noise, Ground::Terraces];
+    let bytes = grounds.map(|ground| ground.cells(sample, shape, seed).to_le_bytes());
+    let size = sample.bytes();
+    let pick = |index: usize| {
+        let (row, col) = (index / shape.width, index % shape.width);
+        &bytes[(row / 48 + col / 64) % 4][index * size..(index + 1) * size]
+    };
+    let mixed: Vec<u8> = (0..shape.cells()).flat_map(pick).copied().collect();
+    let mut cells = orograph::codec::Cells::from_le_bytes(sample, &mixed).expect("whole cells");
+    let nodata = nodata_bits(Nodata::Usual, sample, bits(&cells, 0));
+    if let Some(void) = nodata.filter(|_| voids > 0) {
+        cells = with_voids(&cells, void, |index| is_hole(index, shape.width, voids, seed));
+    }
+    let bound = if bound == 0.0 { Bound::Lossless } else { Bound::MaxError(bound) };
+    Tile { cells, shape, rule: BandRule { sample, nodata, bound } }
+}
+
+#[test]
+fn patchworks_come_back() {
+    for (number, sample) in SAMPLES.into_iter().enumerate() {
+        let shape = TileShape { width: 256 + 13 * number, height: 340 - 17 * number };
+        for (voids, bound) in [(0, 0.0), (8, 0.0), (1, 2.0), (0, 5.0)] {
+            patchwork(sample, shape, voids, bound, number as u64).assert_holds();
+        }
+    }
+}
+
+/// Whatever becomes of a tile with zones, it is decoded or refused.
+#[test]
+fn damaged_patchworks_do_not_panic() {
+    let shape = TileShape { width: 257, height: 260 };
+    let tile = patchwork(SampleType::I16, shape, 8, 2.0, 1);
+    let sound = orograph::codec::encode_tile(&tile.cells, shape, &tile.rule).expect("encodes");
+    let (mut decoded, mut refused) = (0, 0);
+    for segment in 0..sound.segments.len() {
+        for place in (0..sound.segments[segment].len().min(120)).flat_map(|byte| [(byte, 1), (byte, 0x20)]) {
+            let mut damaged = sound.clone();
+            damaged.segments[segment][place.0] ^= place.1;
+            match orograph::codec::decode_tile(&crate::promise::segments(&damaged), shape, &tile.rule, 0) {
+                Ok(cells) => {
+                    assert_eq!(cells.len(), shape.cells());
+                    decoded += 1;
+                }
+                Err(error) => {
+                    assert_eq!(error.kind(), orograph::error::ErrorKind::Corrupt, "{error}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    assert!(refused > decoded, "{refused} refused, {decoded} decoded");
+}

@@ -2,9 +2,9 @@
 
 use crate::case::{Case, SAMPLES, cells, noise};
 use crate::parts::Parts;
+use crate::sparse_vectors;
 use crate::terrain::{heights, is_void};
-use crate::tile_bits::{self, Bits, part};
-use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
+use orograph::codec::{Bound, Cells};
 use orograph::grid::SampleType;
 use orograph::oro::{Band, Description};
 
@@ -59,7 +59,19 @@ fn with_voids(width: usize, height: usize, heights: &mut [f64], void: f64) {
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [types(), bounds(), voids(), patches(), copies(), shapes(), filters(), containers()].concat()
+    [
+        types(),
+        bounds(),
+        voids(),
+        patches(),
+        copies(),
+        shapes(),
+        filters(),
+        zones(),
+        containers(),
+        sparse_vectors::accepted(),
+    ]
+    .concat()
 }
 
 /// Heights resampled to the nearest: each is there once or more, next to itself.
@@ -255,15 +267,6 @@ fn copies() -> Vec<Vector> {
         z = if index % 96 == 0 { (bits >> 40) as i32 } else { z + [0, (bits >> 54) as i32 - 512][bits as usize % 2] };
         walk.push(z);
     }
-    let usual = {
-        // The tile of two-by-two, whose header says what it need not say.
-        let rule = BandRule { sample: SampleType::U8, nodata: None, bound: Bound::Lossless };
-        let tile = encode_tile(&Cells::U8(vec![10, 12, 11, 15]), TileShape { width: 2, height: 2 }, &rule);
-        let [.., last] = tile.expect("encodes").segments;
-        let side = Bits::default().bits(0, 5).signed(10, 10).number(0, 0).bits(3, 7).number(2, 0);
-        let side = side.bits(1, 1).bits(0, 6).bits(0, 1).signed(3, 0);
-        tile_bits::file(2, 2, &[0], [[part(&side.bytes()), part(&[])].concat(), vec![], vec![], last])
-    };
     vec![
         ("f32-resampled", "f32 resampled by 0.7: copies", lossless(Cells::F32(single(0.7)), None)),
         ("f32-doubled", "f32, two by two cells alike: copies, and a segment without residuals", {
@@ -285,7 +288,6 @@ fn copies() -> Vec<Vector> {
         ("i32-rows", "96 x 96 in rows that are walks and often stay: copies in serial passes", {
             file(96, 96, 128, Cells::I32(walk), None, Bound::Lossless)
         }),
-        ("usual-coarseness", "2 x 2, the usual coarseness written out", usual),
     ]
 }
 
@@ -300,6 +302,36 @@ fn shapes() -> Vec<Vector> {
         ("one-column", "1 x 150", lossless(1, 150, Cells::I16(line))),
         ("constant", "one value: no passes", lossless(64, 64, Cells::U16(vec![777; 64 * 64]))),
         ("odd", "61 x 37: planes of different sizes", one((61, 37), 0.4, SampleType::I16, Bound::MaxError(3.0))),
+    ]
+}
+
+/// Four kinds of ground side by side: gravel, hills, terraced rocks, and waves along the rows.
+pub fn patchwork(side: usize) -> Vec<i16> {
+    let (smooth, rough) = (heights(side, side, 31, 0.0), heights(side, side, 32, 1.2));
+    let ground = |(index, bits): (usize, u64)| {
+        let (row, col) = (index / side, index % side);
+        match (row / 64 + 2 * (col / 96)) % 4 {
+            0 => 900 + (bits >> 60) as i16,
+            1 => smooth[index] as i16,
+            2 => (rough[index] / 64.0) as i16 * 24,
+            _ => 1000 + ((row * 37 + col * 90) % 256) as i16,
+        }
+    };
+    noise(33).take(side * side).enumerate().map(ground).collect()
+}
+
+fn zones() -> Vec<Vector> {
+    let whole = patchwork(256);
+    let mut holed: Vec<f64> = whole[..256 * 250].iter().map(|&z| f64::from(z)).collect();
+    with_voids(256, 250, &mut holed, -1.0);
+    let holed = Cells::I32(holed.iter().map(|&z| z as i32).collect());
+    vec![
+        ("zones", "256 x 256 of several kinds of ground: zones", {
+            file(256, 256, 256, Cells::I16(whole), None, Bound::Lossless)
+        }),
+        ("zones-voids-bound", "zones beside voids in a tile that no block divides, max error 2", {
+            file(256, 250, 256, holed, Some(0xffff_ffff), Bound::MaxError(2.0))
+        }),
     ]
 }
 

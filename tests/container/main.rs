@@ -11,6 +11,8 @@ mod rejected;
 mod round_trips;
 mod sections;
 mod sizes;
+mod sparse;
+mod sparse_vectors;
 mod terrain;
 mod tile_bits;
 mod vectors;

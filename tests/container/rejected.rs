@@ -1,8 +1,9 @@
 //! Files that every reader rejects: each breaks one requirement, and all checksums after the damage are right.
 
-use crate::accepted::{Vector, resampled};
+use crate::accepted::{Vector, patchwork, resampled};
 use crate::case::{Case, cells, noise};
 use crate::parts::{FOOTER, Parts, entry};
+use crate::sparse_vectors;
 use crate::tile_bits::{Bits, file, header, part};
 use orograph::codec::{BandRule, Bound, Cells, TileShape, encode_tile};
 use orograph::grid::SampleType;
@@ -12,7 +13,7 @@ const INDX: usize = 1;
 
 /// All of them.
 pub fn vectors() -> Vec<Vector> {
-    [frame(), sections(), tile_headers(), tile_bodies(), endings()].concat()
+    [frame(), sections(), tile_headers(), tile_bodies(), endings(), maps(), sparse_vectors::rejected()].concat()
 }
 
 /// 2 x 2 cells of `u8` in one tile.
@@ -124,13 +125,6 @@ fn sections() -> Vec<Vector> {
             "an unknown section that must be understood",
             with(|parts| {
                 parts.sections.insert(0, (0x80 | 70, b"new".to_vec()));
-            }),
-        ),
-        (
-            "r009-dictionary",
-            "a section DICT that must be understood",
-            with(|parts| {
-                parts.sections.insert(0, (0x84, b"new".to_vec()));
             }),
         ),
         ("r010-no-meta", "no section META", with(|parts| drop(parts.sections.remove(META)))),
@@ -252,7 +246,10 @@ fn tile_headers() -> Vec<Vector> {
         ("r025-no-level", "a segment although there is no level for it", {
             of([first.clone(), vec![0, 0], vec![], last.clone()])
         }),
-        ("r025-raw", "no length of the raw bits", of([part(&seeded.bytes()), vec![], vec![], last])),
+        ("r025-nothing", "a segment of lengths of empty parts", {
+            file(2, 2, u8s, [part(&plain(0).bytes()), vec![], vec![], vec![0]])
+        }),
+        ("r025-raw", "no length of the raw bits", of([part(&seeded.bytes()), vec![], vec![], last.clone()])),
         ("r026-header", "side bits that end within the tile header", lone(u8s, &Bits::default().bits(0, 8))),
         ("r026-none", "no side bits", lone(u8s, &Bits::default())),
         ("r026-filter", "side bits that end within a filter", {
@@ -266,6 +263,11 @@ fn tile_headers() -> Vec<Vector> {
         ("r027-grid", "a denominator of 2^32", lone(f32s, &plain(1).number(0, 0).number(6, 0xffff_ffff))),
         ("r027-no-list", "a list of no values", lone(u8s, &plain(4).number(4, 0))),
         ("r027-list", "a list of 16,385 values", lone(u8s, &plain(4).number(4, 16_385).bits(0, 32))),
+        ("r027-usual-coarseness", "the usual coarseness written out", {
+            let side = Bits::default().bits(0, 5).signed(10, 10).number(0, 0).bits(3, 7).number(2, 0);
+            let side = side.bits(1, 1).bits(0, 6).bits(0, 1).signed(3, 0);
+            of([[part(&side.bytes()), part(&[])].concat(), vec![], vec![], last.clone()])
+        }),
         ("r027-coarseness", "errors coarsened by 16 bits, words of 32", {
             lone(u8s, &header(4, 1).bits(1, 1).bits(16, 6).bits(0, 1).signed(4, 0))
         }),
@@ -378,6 +380,35 @@ fn tile_bodies() -> Vec<Vector> {
             }),
         ),
         ("r033-none", "symbols where there are none", no_symbols(&[0, 0, 1, 0])),
+    ]
+}
+
+/// Maps of zones.
+fn maps() -> Vec<Vector> {
+    let (cells, shape) = (Cells::I16(patchwork(256)), TileShape { width: 256, height: 256 });
+    let rule = BandRule { sample: SampleType::I16, nodata: None, bound: Bound::Lossless };
+    let sound = encode_tile(&cells, shape, &rule).expect("encodes").segments;
+    // Side bits, the map, raw bits, symbols.
+    let map = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut segments = sound.clone();
+        let mut parts = parts_of(&segments[2], 3);
+        assert!(parts[1].len() > 4, "there is a map");
+        change(&mut parts[1]);
+        let last = parts.pop().expect("the rest");
+        segments[2] = parts.iter().flat_map(|bytes| part(bytes)).chain(last).collect();
+        file(256, 256, &[3], segments)
+    };
+    vec![
+        ("r038-longer", "a map of zones that goes on", map(&|bytes| bytes.extend([1; 8]))),
+        ("r038-zero", "a map of zones with a zero byte after its end", map(&|bytes| bytes.push(0))),
+        ("r038-ending", "a map of zones whose end could be shorter", {
+            map(&|bytes| {
+                *bytes.last_mut().expect("a byte") -= 1;
+                bytes.push(0xff);
+            })
+        }),
+        ("r038-cut", "a map of zones that ends early", map(&|bytes| bytes.truncate(3))),
+        ("r038-none", "no map of zones", map(&Vec::clear)),
     ]
 }
 

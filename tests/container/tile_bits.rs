@@ -51,9 +51,10 @@ pub fn header(range_bits: u64, step: u64) -> Bits {
     Bits::default().bits(0, 2).bits(0, 3).signed(10, 0).number(0, 0).bits(range_bits, 7).number(2, step / 2)
 }
 
-/// A file of one band and one tile of 64 cells or fewer a side; `record` is the band's record in META.
+/// A file of one band and one tile; `record` is the band's record in META.
 pub fn file(width: usize, height: usize, record: &[u8], segments: [Vec<u8>; 4]) -> Vec<u8> {
-    let meta = [&varint(width), varint(height).as_slice(), &[1, 1, 1, 0], record].concat();
+    let side = width.max(height).div_ceil(64);
+    let meta = [&varint(width), varint(height).as_slice(), &varint(side), &[1, 1, 0], record].concat();
     let (mut chunks, mut index) = (vec![], vec![]);
     for segment in segments {
         index.extend(varint(segment.len()));

@@ -6,6 +6,7 @@ import struct
 import numpy as np
 
 from basics import U32, Cursor, crc32c, require
+from sparse import Dictionary, read_sparse
 from text import texts
 from tile import decode_tile
 
@@ -69,23 +70,29 @@ def read_index(c, chunks, total):
     return lengths
 
 
-def read_area(data, lengths, area, level):
-    """The cells of each band at a level from 0 to 6, from chunks that begin with the data."""
-    width, height, side, rules = area
-    shape = (-(-height >> level), -(-width >> level))
-    cells = [np.zeros(shape, rule[0]) for rule in rules]
+def read_chunks(data, lengths, needed):
+    """The segments of each chunk, of which so many are needed."""
     at = 0
-    for chunk, sizes in enumerate(lengths.tolist()):
-        tile, band = divmod(chunk, len(rules))
-        row, col = (side * i for i in divmod(tile, -(-width // side)))
+    for sizes in lengths.tolist():
         segments = []
         for number, size in enumerate(sizes):
             segments.append(data[at : at + size])
             at += size
             if size:
-                needed = number < 4 - min(level, 3)
-                require(1, not needed or crc32c(segments[-1]) == int.from_bytes(data[at : at + 4], "little"))
+                crc = int.from_bytes(data[at : at + 4], "little")
+                require(1, number >= needed or crc32c(segments[-1]) == crc)
                 at += 4
+        yield segments
+
+
+def read_area(data, lengths, area, level):
+    """The cells of each band at a level from 0 to 6, from chunks that begin with the data."""
+    width, height, side, rules = area
+    shape = (-(-height >> level), -(-width >> level))
+    cells = [np.zeros(shape, rule[0]) for rule in rules]
+    for chunk, segments in enumerate(read_chunks(data, lengths, 4 - min(level, 3))):
+        tile, band = divmod(chunk, len(rules))
+        row, col = (side * i for i in divmod(tile, -(-width // side)))
         dtype, nodata, bound = rules[band]
         tile = decode_tile(segments, dtype, min(side, width - col), min(side, height - row), level, nodata, bound)
         cells[band][row >> level :, col >> level :][: tile.shape[0], : tile.shape[1]] = tile
@@ -108,15 +115,16 @@ def read(data, level=0):
     while c.at < directory_length:
         entries.append((c.number(1), c.varint(), c.number(4)))
     for kind, size, crc in reversed(entries):
-        require(9, kind < 128 or kind & 127 in (1, 2, 3))
-        require(10, kind & 127 not in sections or kind & 127 > 3)
+        require(9, kind < 128 or kind & 127 in (1, 2, 3, 4))
+        require(10, kind & 127 not in sections or kind & 127 > 4)
         require(11, end - size >= 12)
         end -= size
         sections[kind & 127] = (end, data[end : end + size], crc)
     require(10, 1 in sections and 2 in sections)
-    require(12, all(crc32c(sections[kind][1]) == sections[kind][2] for kind in (1, 2)))
+    require(12, all(crc32c(sections[kind][1]) == sections[kind][2] for kind in (1, 2, 4) if kind in sections))
     meta = read_meta(sections[1][1], end - 12)
     side, bands = meta["tile_side"], meta["bands"]
+    require(39, 4 not in sections or (3 not in sections and [band["type"] for band in bands] == ["f32"]))
     across, down = -(-meta["width"] // side), -(-meta["height"] // side)
     c = Cursor(sections[2][1], 21)
     lengths = read_index(c, across * down * len(bands), end - 12)
@@ -127,8 +135,15 @@ def read(data, level=0):
 
     rules = [(TYPES[NAMES.index(band["type"])], band["nodata"], band["max_error"] or 0.0) for band in bands]
     area = (meta["width"], meta["height"], side, rules)
-    cells = read_area(data[12:], lengths, area, min(level, 6))
     meta["overview"] = None
+    if 4 in sections:
+        dictionary = Dictionary(sections[4][1])
+        chunks = read_chunks(data[12:], lengths, 4)
+        cells = [read_sparse(chunks, dictionary, *area[:3], rules[0][1], level)]
+        meta["atoms"] = dictionary.atoms
+        meta["hash"] = hashlib.sha256(data[:-38]).digest()[:16] == footer[8:24]
+        return meta, cells
+    cells = read_area(data[12:], lengths, area, min(level, 6))
     if 3 in sections:
         area = (-(-meta["width"] >> 6), -(-meta["height"] >> 6), side, [rule[:2] + (0.0,) for rule in rules])
         meta["overview"] = "sound"

@@ -73,8 +73,10 @@ def i64(a):
 
 
 class Parameters:
-    def __init__(self, side, kind, level):
-        self.serial = level <= SERIAL_UP_TO and side.bits(1)
+    """The parameters of a pass in one zone."""
+
+    def __init__(self, side, kind, serial):
+        self.serial = serial
         SEEN.add("serial" if self.serial else "not serial")
         taps = len(TAPS[kind]) + 2 * self.serial
         self.shape, self.shift = side.bits(1), side.bits(3) - 3
@@ -102,6 +104,21 @@ class Parameters:
     def tables(self, rule):
         """The table for each eighth of an octave, of kind 0."""
         return self.shape * 8 * BINS + np.clip(rule.bins + self.shift, 0, BINS - 1)
+
+
+class Zoned:
+    """A pass's cells prepared for each of its zones: every cell with what its own zone says."""
+
+    def __init__(self, kind, cells, errors, parameters, zones, rule):
+        self.parameters, self.zones = parameters, zones
+        self.prepared = [Prepared(kind, cells, errors, p, rule) for p in parameters]
+        self.tables = np.array([p.tables(rule) for p in parameters])
+
+    def row(self, row, cells, errors, rule):
+        """Zone, base, class, deviation and expected error of each cell."""
+        zone = self.zones[row]
+        rows = [prepared.row(row, cells, errors, rule) for prepared in self.prepared]
+        return zone, *(np.choose(zone, lanes) for lanes in zip(*rows))
 
 
 class Prepared:
@@ -140,7 +157,8 @@ class Prepared:
             weight = weight if self.classes is None else weight[row]
             deviation = deviation + weight * (cells.run(tap, row) - base)
         one, two, three = (errors.run(("O", -1, col), row) for col in (-1, 0, 1))
-        return base, rule.word(deviation), self.expected[row] + self.above * (one + 2 * two + three)
+        classes = np.zeros(len(base), int) if self.classes is None else self.classes[row]
+        return base, classes, rule.word(deviation), self.expected[row] + self.above * (one + 2 * two + three)
 
 
 def eighths(expected):
@@ -162,13 +180,13 @@ def residual(s, raw, raw_bits):
     return k
 
 
-def plain_row(base, deviation, expected, held, tables, rule, symbols, raw_bits):
+def plain_row(zone, base, deviation, expected, held, tables, rule, symbols, raw_bits):
     """The cells of a row and their errors, where nothing depends on the cell to the left."""
     w = rule.word
     rounded = w(deviation + 512) >> 10
     rests = w(deviation - (rounded << 10))
     places = eighths(expected)
-    asked = tables[places] + BINS * rule.kinds(rests)
+    asked = tables[zone, places] + BINS * rule.kinds(rests)
     raws = rule.raw[places]
     if held is not None:
         asked, raws = asked[held], raws[held]
@@ -190,19 +208,19 @@ def plain_row(base, deviation, expected, held, tables, rule, symbols, raw_bits):
     return cells, errors
 
 
-def serial_row(first, first_error, base, classes, deviation, expected, still, p, tables, rule, symbols, raw_bits):
+def serial_row(first, first_error, zone, base, classes, deviation, expected, still, zoned, rule, symbols, raw_bits):
     """The cells of a row and their errors, one after the other; still says what cells without residual are."""
     w, step = rule.word, rule.step
-    tables, raws = tables.tolist(), rule.raw.tolist()
+    tables, raws = zoned.tables.tolist(), rule.raw.tolist()
     kinds = rule.kinds(np.arange(-512, 513)).tolist()
-    tails = [weights[-2:] for weights in p.filters]
-    left_weight, left2_weight = p.errors[6:8]
+    tails = [[weights[-2:] for weights in p.filters] for p in zoned.parameters]
+    lefts = [p.errors[6:8] for p in zoned.parameters]
     left = left2 = first
     left_error = left2_error = first_error
     line, error_line = [], []
-    rows = (base.tolist(), classes, deviation.tolist(), expected.tolist(), still)
-    for b, c, sums, wanted, at in zip(*rows):
-        one, two = tails[c]
+    rows = (zone.tolist(), base.tolist(), classes.tolist(), deviation.tolist(), expected.tolist(), still)
+    for z, b, c, sums, wanted, at in zip(*rows):
+        (one, two), (left_weight, left2_weight) = tails[z][c], lefts[z]
         sums = w(sums + one * (left - b) + two * (left2 - b))
         rounded = w(sums + 512) >> 10
         cell = w(b + rounded)
@@ -211,7 +229,7 @@ def serial_row(first, first_error, base, classes, deviation, expected, still, p,
             v = max(wanted + left_weight * left_error + left2_weight * left2_error, 8)
             o = v.bit_length() - 4
             eighth = 8 * o + (v >> o & 7)
-            table = tables[eighth] + BINS * kinds[rest + 512]
+            table = tables[z][eighth] + BINS * kinds[rest + 512]
             s = symbols.symbol(table)
             k = residual(s, raws[eighth], raw_bits)
             k = -k if step <= 3 and rest < 0 else k
@@ -229,33 +247,31 @@ def serial_row(first, first_error, base, classes, deviation, expected, still, p,
     return line, error_line
 
 
-def run_pass(kind, cells, errors, voids, copies, p, rule, symbols, raw_bits):
+def run_pass(kind, cells, errors, voids, copies, parameters, zones, rule, symbols, raw_bits):
     """Makes the cells and errors of a pass; both know what there is already. Copies are a mask and their cells."""
-    tables, prepared = p.tables(rule), Prepared(kind, cells, errors, p, rule)
+    zoned = Zoned(kind, cells, errors, parameters, zones, rule)
     for row in range(cells.height):
         cells.begin_row(row)
         errors.begin_row(row)
-        base, deviation, expected = prepared.row(row, cells, errors, rule)
+        zone, base, classes, deviation, expected = zoned.row(row, cells, errors, rule)
         nearest = errors.run(("A", 0, 0), row)
         empty = None if voids is None else voids[row] == 1
         copied = None if copies is None else copies[0][row] == 1
-        if p.serial:
+        if parameters[0].serial:
             still = [None] * cells.width
             if empty is not None:
                 still = [(None, error) if void else None for void, error in zip(empty, nearest.tolist())]
             if copied is not None:
                 for col in np.flatnonzero(copied):
                     still[col] = (int(copies[1][row, col]), 0)
-            classes = [0] * cells.width if prepared.classes is None else prepared.classes[row].tolist()
             first = int(cells.run(("A", 0, 0), row)[0])
-            line, error_line = serial_row(
-                first, int(nearest[0]), base, classes, deviation, expected, still, p, tables, rule, symbols, raw_bits
-            )
+            lanes = zone, base, classes, deviation, expected, still
+            line, error_line = serial_row(first, int(nearest[0]), *lanes, zoned, rule, symbols, raw_bits)
         else:
             held = None
             if empty is not None or copied is not None:
                 held = ~((False if empty is None else empty) | (False if copied is None else copied))
-            line, error_line = plain_row(base, deviation, expected, held, tables, rule, symbols, raw_bits)
+            line, error_line = plain_row(zone, base, deviation, expected, held, zoned.tables, rule, symbols, raw_bits)
             if empty is not None:
                 error_line = np.where(empty, nearest, error_line)
             if copied is not None:
@@ -264,7 +280,7 @@ def run_pass(kind, cells, errors, voids, copies, p, rule, symbols, raw_bits):
         errors.end_row(row, error_line)
 
 
-def refine(cells, errors, voids, copies, width, height, level, side, rule, symbols, raw_bits):
+def refine(cells, errors, voids, copies, zones, width, height, level, side, rule, symbols, raw_bits):
     """The cells and errors of a level of that size from the next coarser one; voids are those of its planes."""
     made, made_errors = [None] * 3, [None] * 3
     serial = set()
@@ -275,13 +291,18 @@ def refine(cells, errors, voids, copies, width, height, level, side, rule, symbo
         if size[0] and size[1]:
             holes = voids and voids[kind]
             told = copies and copies.plane(kind, known, holes)
-            p = Parameters(side, kind, level)
-            serial.add(p.serial)
+            own = level <= SERIAL_UP_TO and side.bits(1)
+            serial.add(own)
+            zoned = zones is not None and level < 2
+            parameters = [Parameters(side, kind, own) for _ in range(zones.count if zoned else 1)]
+            parcels = zones.plane(level, *size) if zoned else np.zeros(size[::-1], np.uint8)
+            SEEN.update({"zones in a serial pass" if own else "zones in a pass that is not serial"} if zoned else ())
+            SEEN.update({"zones beside voids"} if zoned and holes is not None and holes.any() else ())
             SEEN.update({"serial beside not serial"} if len(serial) == 2 else ())
             if told and told[0].any():
-                SEEN.update({"copies", "copies in a serial pass"} if p.serial else {"copies"})
+                SEEN.update({"copies", "copies in a serial pass"} if own else {"copies"})
                 SEEN.update({"copies in 64-bit words"} if rule.wide else ())
                 SEEN.update({"copies beside voids"} if holes is not None and holes.any() else ())
-            run_pass(kind, known, known_errors, holes, told, p, rule, symbols, raw_bits)
+            run_pass(kind, known, known_errors, holes, told, parameters, parcels, rule, symbols, raw_bits)
         made[kind], made_errors[kind] = known.own(), known_errors.own()
     return join(cells, *made), join(errors, *made_errors)

@@ -1,4 +1,4 @@
-"""Planes of a level, their taps, the mask of voids, and copies."""
+"""Planes of a level, their taps, the mask of voids, copies, and zones."""
 
 import numpy as np
 
@@ -153,6 +153,31 @@ class Copies(Chances):
                     copied[row, col], cells[row, col] = 1, values[k]
         require(34, not self.coder.is_beyond())
         return copied, cells
+
+
+class Zones(Chances):
+    """The zone of each block of 32 x 32 cells."""
+
+    def __init__(self, data, width, height, count):
+        super().__init__(data)
+        self.which = [[32768] * 3 for _ in range(2)]
+        self.count = count
+        self.blocks = np.zeros((-(-height // 32), -(-width // 32)), np.uint8)
+        for row, col in np.ndindex(self.blocks.shape):
+            left = int(self.blocks[row, col - 1]) if col else 0
+            above = int(self.blocks[row - 1, col]) if row else 0
+            order = list(dict.fromkeys([left, above, *range(count)]))
+            n = 0
+            while n < count - 1 and not self.bit(self.which[left == above], n):
+                n += 1
+            self.blocks[row, col] = order[n]
+        SEEN.add(f"{count} zones")
+        require(38, self.coder.is_whole())
+
+    def plane(self, level, width, height):
+        """The zone of each cell of a pass."""
+        side = 16 >> level
+        return np.repeat(np.repeat(self.blocks, side, 0), side, 1)[:height, :width]
 
 
 def values_of(four):

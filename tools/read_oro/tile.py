@@ -4,14 +4,14 @@ import numpy as np
 
 from basics import SEEN, Cursor, require
 from passes import TileRule, i64, refine
-from planes import Copies, Mask, join, plane_size
+from planes import Copies, Mask, Zones, join, plane_size
 from symbols import Bits, Symbols
 
 WHOLE, GRID, FIXED, ORDERED, LIST = range(5)
 
 
 class Header:
-    def __init__(self, side, dtype, nodata, bound):
+    def __init__(self, side, dtype, nodata, bound, depth):
         size, is_float = 8 * dtype.itemsize, dtype.kind == "f"
         self.top = self.void = None
         if side.bits(1):
@@ -41,14 +41,15 @@ class Header:
             require(29, self.values[-1] < 1 << 63)
         SEEN.add(("whole", "grid", "fixed", "ordered", "list")[self.meaning])
         SEEN.update(name for name, has in (("factor", self.factor > 1), ("patches", self.patched)) if has)
-        self.coarseness = min(15, max(0, self.step.bit_length() - 6))
-        self.copies = self.seed = 0
+        self.coarseness = usual = min(15, max(0, self.step.bit_length() - 6))
+        self.copies, self.zones, self.seed = 0, 1, 0
         if self.range_bits:
             if side.bits(1):
                 SEEN.add("coarseness written out")
                 self.coarseness = side.bits(6)
-                require(27, self.coarseness <= (47 if self.range_bits > 31 else 15))
+                require(27, self.coarseness != usual and self.coarseness <= (47 if self.range_bits > 31 else 15))
             self.copies = self.step == 1 and side.bits(1)
+            self.zones = side.bits(2) + 1 if depth >= 8 else 1
             self.seed = side.signed(min(self.range_bits, 60))
 
     def value(self, x, dtype, bound):
@@ -94,7 +95,7 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
     dtype, side = np.dtype(dtype), None
     depth = (max(width, height) - 1).bit_length()
     size = lambda level: (-(-width >> level), -(-height >> level))
-    patches = []
+    patches, zones = [], None
     for number in range(4 - min(level, 3)):
         levels = range(depth - 1, 2, -1) if number == 0 else range(3 - number, min(4 - number, depth))
         if number and not segments[number]:
@@ -104,12 +105,13 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             continue
         if number and not segments[number] and voids is None:
             continue
+        require(25, not number or not segments[number] or any(segments[number]))
         # An empty segment is one whose parts are all empty.
         parts = Cursor(segments[number] or b"\0\0", 25)
         part = lambda: parts.take(parts.varint(5))
         side = Bits(part())
         if number == 0:
-            header = Header(side, dtype, nodata, bound)
+            header = Header(side, dtype, nodata, bound, depth)
             rule = TileRule(header.step, header.range_bits, header.coarseness)
             if header.range_bits:
                 SEEN.add("64-bit words" if rule.wide else "32-bit words")
@@ -132,6 +134,8 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
         if not header.range_bits:
             side.finish()
         else:
+            if number == 2 and header.zones > 1:
+                zones = Zones(part(), width, height, header.zones)
             copies = Copies(part()) if header.copies else None
             raw_bits = Bits(part())
             count = sum(w * h for l in levels for w, h in (plane_size(kind, *size(l)) for kind in range(3)))
@@ -140,7 +144,8 @@ def decode_tile(segments, dtype, width, height, level, nodata, bound):
             for place, l in enumerate(levels):
                 if l >= level:
                     holes = planes[place] if planes else None
-                    cells, errors = refine(cells, errors, holes, copies, *size(l), l, side, rule, symbols, raw_bits)
+                    told = holes, copies, zones
+                    cells, errors = refine(cells, errors, *told, *size(l), l, side, rule, symbols, raw_bits)
             if not levels or levels[-1] >= level:
                 side.finish()
                 require(34, copies is None or copies.coder.is_whole())

@@ -11,7 +11,8 @@ FEATURES = {
     "coarse errors", "very coarse errors", "coarseness written out", "copies", "copies beside voids",
     "copies in a serial pass", "copies in 64-bit words", "no symbols", "serial beside not serial", "serial",
     "not serial", "filter of the set", "own filters", "two classes", "error weights of the set", "own error weights",
-    "shape 0", "shape 1", "escape", "raw bits", "run of voids", "1 state", "4 states", "8 states",
+    "zones beside voids", "zones in a serial pass", "zones in a pass that is not serial", "4 zones", "shape 0", "shape 1",
+    "escape", "raw bits", "run of voids", "1 state", "4 states", "8 states",
 }
 
 

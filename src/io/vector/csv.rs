@@ -113,7 +113,21 @@ fn append_text(text: &mut Vec<u8>, value: &str) {
 }
 
 fn append_wkt(text: &mut Vec<u8>, geometry: &Geometry) {
-    let Geometry::Lines(pieces) = geometry else { return };
+    let pieces = match geometry {
+        Geometry::Point(..) => return,
+        Geometry::Lines(pieces) => pieces,
+        Geometry::Triangle(corners) => {
+            for (i, corner) in corners.iter().chain(&corners[..1]).enumerate() {
+                text.extend_from_slice(if i == 0 { b",\"POLYGON Z ((" } else { b"," });
+                for (j, &v) in corner.iter().enumerate() {
+                    text.extend_from_slice(if j == 0 { b"" } else { b" " });
+                    append_real(text, v, None);
+                }
+            }
+            text.extend_from_slice(b"))\"");
+            return;
+        }
+    };
     text.push(b',');
     let append_points = |text: &mut Vec<u8>, points: &[(f64, f64)]| {
         text.push(b'(');
@@ -165,6 +179,13 @@ mod tests {
         assert_eq!(real(9.600_138_888_888_89, None), "9.60013888888889");
         assert_eq!(real(f64::NAN, Some(3)), "");
         assert_eq!(real(1e300, Some(3)), "1e300");
+    }
+
+    #[test]
+    fn triangles_as_text() {
+        let mut text = Vec::new();
+        append_wkt(&mut text, &Geometry::Triangle([[0.0, 0.0, 5.5], [1.0, 0.0, 6.0], [0.0, 1.0, 7.0]]));
+        assert_eq!(text, b",\"POLYGON Z ((0 0 5.5,1 0 6,0 1 7,0 0 5.5))\"");
     }
 
     #[test]

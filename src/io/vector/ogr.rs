@@ -83,6 +83,7 @@ fn write_layer(
         GeometryKind::Point => OGRwkbGeometryType::wkbPoint,
         GeometryKind::Line => OGRwkbGeometryType::wkbLineString,
         GeometryKind::MultiLine => OGRwkbGeometryType::wkbMultiLineString,
+        GeometryKind::Triangle => OGRwkbGeometryType::wkbPolygon25D,
     };
     {
         let layer = dataset
@@ -127,6 +128,7 @@ fn bounds_of(geometry: &Geometry) -> Bounds {
     match geometry {
         Geometry::Point(x, y) => add(*x, *y),
         Geometry::Lines(pieces) => pieces.iter().flatten().for_each(|&(x, y)| add(x, y)),
+        Geometry::Triangle(corners) => corners.iter().for_each(|&[x, y, _]| add(x, y)),
     }
     bounds
 }
@@ -197,6 +199,16 @@ fn to_wkb(geometry: &Geometry, multi: bool, wkb: &mut Vec<u8>) {
                 for &(x, y) in piece {
                     point(wkb, x, y);
                 }
+            }
+        }
+        Geometry::Triangle(corners) => {
+            // A polygon with z, of one ring of four points of which the last is the first.
+            header(wkb, 1003);
+            wkb.extend_from_slice(&1_u32.to_le_bytes());
+            wkb.extend_from_slice(&4_u32.to_le_bytes());
+            for &[x, y, z] in corners.iter().chain(&corners[..1]) {
+                point(wkb, x, y);
+                wkb.extend_from_slice(&z.to_le_bytes());
             }
         }
     }

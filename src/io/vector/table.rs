@@ -66,6 +66,8 @@ pub enum GeometryKind {
     Line,
     /// Lines in one or more pieces.
     MultiLine,
+    /// Triangles in three dimensions, as polygons.
+    Triangle,
 }
 
 /// Geometry of a row.
@@ -75,6 +77,8 @@ pub enum Geometry {
     Point(f64, f64),
     /// The pieces of a line.
     Lines(Vec<Vec<(f64, f64)>>),
+    /// The corners of a triangle, counter-clockwise: x, y and z.
+    Triangle([[f64; 3]; 3]),
 }
 
 /// A QGIS style of a layer.

@@ -9,7 +9,7 @@ use crate::with_cells;
 use std::path::Path;
 
 /// An opened input.
-pub(super) enum Input {
+pub(in crate::pipeline) enum Input {
     Stored(Box<StoredSource>),
     Container(Box<ContainerSource>),
 }
@@ -19,7 +19,7 @@ impl Input {
     ///
     /// # Errors
     /// As its kind.
-    pub(super) fn open(path: &Path, options: &StoredOptions) -> Result<Self> {
+    pub(in crate::pipeline) fn open(path: &Path, options: &StoredOptions) -> Result<Self> {
         if !is_container(path) {
             return StoredSource::open(path, options).map(|source| Self::Stored(Box::new(source)));
         }
@@ -29,7 +29,7 @@ impl Input {
     }
 
     /// What is read of it.
-    pub(super) fn record(&self) -> &Record {
+    pub(in crate::pipeline) fn record(&self) -> &Record {
         match self {
             Self::Stored(source) => &source.record,
             Self::Container(source) => &source.record,
@@ -37,7 +37,7 @@ impl Input {
     }
 
     /// What a user should know of how it is read.
-    pub(super) fn notes(&self) -> &[String] {
+    pub(in crate::pipeline) fn notes(&self) -> &[String] {
         match self {
             Self::Stored(source) => &source.notes,
             Self::Container(_) => &[],
@@ -48,7 +48,7 @@ impl Input {
     ///
     /// # Errors
     /// When it cannot be read or is damaged.
-    pub(super) fn read(&self, band: usize, area: Area) -> Result<Cells> {
+    pub(in crate::pipeline) fn read(&self, band: usize, area: Area) -> Result<Cells> {
         match self {
             Self::Stored(source) => {
                 let mut cells = Cells::zeros(source.record.bands[band].sample, area[2] * area[3]);

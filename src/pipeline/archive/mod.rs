@@ -18,5 +18,9 @@ pub mod verify;
 
 pub use container::{ContainerOptions, ContainerSource, is_container};
 pub use dem::{open_dem, open_dem_coarse};
+pub(super) use input::Input;
 pub use promise::Promise;
+pub(super) use record::description_of;
+pub(super) use stream::ByteStream;
 pub use stream::Target;
+pub(super) use tile_side::tile_side_of;

@@ -5,7 +5,7 @@ use crate::io::raster::stored::{BandRecord, Item, Record};
 use crate::oro::{Band, CellMeaning, Description, Georeference, MetadataItem};
 
 /// The description of a container that keeps all of a record, with the guaranteed error of each band.
-pub(super) fn description_of(record: &Record, bounds: &[Bound], tile_side: usize) -> Description {
+pub(in crate::pipeline) fn description_of(record: &Record, bounds: &[Bound], tile_side: usize) -> Description {
     let band = |(band, &bound): (&BandRecord, &Bound)| Band {
         rule: BandRule { sample: band.sample, nodata: band.nodata, bound },
         scale: band.scale,
@@ -30,7 +30,7 @@ pub(super) fn description_of(record: &Record, bounds: &[Bound], tile_side: usize
 }
 
 /// The record of a container at level 0.
-pub(super) fn record_of(description: &Description) -> Record {
+pub(in crate::pipeline) fn record_of(description: &Description) -> Record {
     let band = |band: &Band| BandRecord {
         sample: band.rule.sample,
         nodata: band.rule.nodata,

@@ -35,7 +35,7 @@ impl Target<'_> {
 }
 
 /// Bytes on their way to a target.
-pub(super) struct ByteStream<'a> {
+pub(in crate::pipeline) struct ByteStream<'a> {
     sink: BufWriter<Sink<'a>>,
     output: Option<Output>,
     is_closed: Arc<AtomicBool>,
@@ -80,7 +80,7 @@ impl<'a> ByteStream<'a> {
     ///
     /// # Errors
     /// When the file exists and may not be replaced, or cannot be created.
-    pub(super) fn begin(target: Target<'a>) -> Result<Self> {
+    pub(in crate::pipeline) fn begin(target: Target<'a>) -> Result<Self> {
         let is_closed = Arc::default();
         let (sink, output) = match target {
             Target::Stream(out) => (Sink::Stream(out, Arc::clone(&is_closed)), None),
@@ -97,7 +97,7 @@ impl<'a> ByteStream<'a> {
 
     /// Becomes true when nobody reads the stream any more. Writes fail from then on, but whoever closed it has read
     /// enough: that is a success.
-    pub(super) fn is_closed(&self) -> Arc<AtomicBool> {
+    pub(in crate::pipeline) fn is_closed(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.is_closed)
     }
 
@@ -105,7 +105,7 @@ impl<'a> ByteStream<'a> {
     ///
     /// # Errors
     /// When the last bytes cannot be written.
-    pub(super) fn finish(mut self) -> Result<()> {
+    pub(in crate::pipeline) fn finish(mut self) -> Result<()> {
         self.sink.flush().map_err(|error| self.failed(&error))?;
         if let Sink::File(file) = self.sink.get_ref() {
             // Some file systems tell only now that there was no room.
@@ -115,7 +115,7 @@ impl<'a> ByteStream<'a> {
     }
 
     /// The error of bytes that cannot be written.
-    pub(super) fn failed(&self, error: &io::Error) -> Error {
+    pub(in crate::pipeline) fn failed(&self, error: &io::Error) -> Error {
         let error = Error::new(ErrorKind::Output, format!("it cannot be written: {error}"));
         match &self.output {
             Some(output) => error.at_path(output.target()),

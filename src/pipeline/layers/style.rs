@@ -19,6 +19,17 @@ const PEAK_CLASSES: [(f64, f64, &str); 6] = [
 /// Classes of the prominence of ridges: least value in metres, width in millimetres.
 const RIDGE_CLASSES: [(f64, f64); 5] = [(0.0, 0.16), (100.0, 0.3), (200.0, 0.5), (400.0, 0.75), (800.0, 1.1)];
 
+/// Colours of triangles, from the lowest ground to the highest.
+const HEIGHT_COLOURS: [&str; 7] = [
+    "112,148,112,255",
+    "152,176,122,255",
+    "196,200,142,255",
+    "214,190,140,255",
+    "192,156,116,255",
+    "166,132,112,255",
+    "226,222,218,255",
+];
+
 fn options(options: &[(&str, &str)]) -> String {
     let mut text = String::from("<Option type=\"Map\">");
     for (name, value) in options {
@@ -155,4 +166,28 @@ pub(super) fn isolation() -> Style {
          <symbols>{symbol}</symbols></renderer-v2>"
     );
     Style { name: "isolation".into(), qml: document("Symbology", &body) }
+}
+
+/// Triangles: tinted by elevation, with fine outlines.
+pub(super) fn triangles((low_m, high_m): (f64, f64)) -> Style {
+    let mut symbols = String::new();
+    for (i, colour) in HEIGHT_COLOURS.iter().enumerate() {
+        let options = options(&[
+            ("color", colour),
+            ("style", "solid"),
+            ("outline_color", "70,60,50,130"),
+            ("outline_style", "solid"),
+            ("outline_width", "0.06"),
+            ("outline_width_unit", "MM"),
+        ]);
+        let _ = write!(
+            symbols,
+            "<symbol type=\"fill\" name=\"{i}\" alpha=\"1\" clip_to_extent=\"1\" force_rhr=\"0\">\
+             <layer class=\"SimpleFill\" enabled=\"1\" locked=\"0\" pass=\"0\">{options}</layer></symbol>"
+        );
+    }
+    let step_m = (high_m - low_m) / HEIGHT_COLOURS.len() as f64;
+    let bounds: Vec<f64> = (0..HEIGHT_COLOURS.len()).map(|i| low_m + step_m * i as f64).collect();
+    let body = graduated("elevation_m", LengthOutput::Metres, &bounds, &symbols);
+    Style { name: "triangles by elevation".into(), qml: document("Symbology", &body) }
 }

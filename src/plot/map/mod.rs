@@ -18,7 +18,7 @@ mod raster;
 mod scale_bar;
 mod symbols;
 mod text;
-mod tint;
+pub(super) mod tint;
 
 pub use draw::{Map, MapOptions, draw};
 pub use overlay::{Overlay, PeakMark, Ridge};

@@ -27,7 +27,7 @@ const LIGHT: [f32; 3] = [255.0, 253.0, 245.0];
 
 /// The ramp between two elevations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ramp {
+pub(in crate::plot) struct Ramp {
     /// Elevation of the lowest colour, in metres.
     pub(super) low_m: f32,
     /// Elevation of the highest colour, in metres.
@@ -42,7 +42,7 @@ impl Ramp {
     /// The ramp over the middle 98 % of the elevations on land, widened to round numbers.
     ///
     /// `cells` yields elevations in metres with the share of each that is sea; voids are left out.
-    pub(super) fn fit(cells: impl Iterator<Item = (f32, f32)>, shore_m: f32) -> Self {
+    pub(in crate::plot) fn fit(cells: impl Iterator<Item = (f32, f32)>, shore_m: f32) -> Self {
         let (mut land, mut sea) = (Vec::new(), Vec::new());
         for (elevation_m, share) in cells.filter(|cell| cell.0.is_finite()) {
             if share < 0.5 { land.push(elevation_m) } else { sea.push(elevation_m) }
@@ -53,12 +53,18 @@ impl Ramp {
         };
         let step = round_step(f64::from(high - low) / 12.0) as f32;
         let low_m = (low / step).floor() * step;
-        let high_m = ((high / step).ceil() * step).max(low_m + step);
+        // On level ground high up, a step may be less than what single precision tells apart.
+        let high_m = ((high / step).ceil() * step).max(low_m + step).max(low_m + low_m.abs() * 1e-5);
         Self { low_m, high_m, shore_m, deep_m }
     }
 
+    /// The ramp with other elevations at its ends, `high_m` a little above `low_m` at least.
+    pub(in crate::plot) fn between(self, low_m: f32, high_m: f32) -> Self {
+        Self { low_m, high_m: high_m.max(low_m + 1e-3), ..self }
+    }
+
     /// The colour of a height without light or shadow.
-    pub(super) fn colour(&self, elevation_m: f32) -> [f32; 3] {
+    pub(in crate::plot) fn colour(&self, elevation_m: f32) -> [f32; 3] {
         at_position(((elevation_m - self.low_m) / (self.high_m - self.low_m)).clamp(0.0, 1.0))
     }
 
@@ -149,8 +155,10 @@ mod tests {
     fn fitted_to_round_numbers() {
         let ramp = Ramp::fit((0..1000).map(|i| (553.0 + i as f32 * 2.7, 0.0)), 0.0);
         assert_eq!((ramp.low_m, ramp.high_m), (500.0, 3500.0));
-        let flat = Ramp::fit(std::iter::repeat_n((12.0, 0.0), 9), 0.0);
-        assert!(flat.high_m > flat.low_m && flat.colour(12.0).iter().all(|c| c.is_finite()));
+        for level in [0.0, 12.0, 500.0, 8848.0] {
+            let flat = Ramp::fit(std::iter::repeat_n((level, 0.0), 9), 0.0);
+            assert!(flat.high_m > flat.low_m && flat.colour(level).iter().all(|c| c.is_finite()), "{level}");
+        }
         let nothing = Ramp::fit(std::iter::empty(), 0.0);
         assert!(nothing.high_m > nothing.low_m);
     }

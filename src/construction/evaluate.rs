@@ -1,0 +1,405 @@
+//! Evaluation by tile: a plan for each tile, then whole blocks of points at once, tiles in parallel.
+
+use super::area::Area;
+use super::operator::warp::{Matrix, Warp};
+use super::operator::{add, blend, level, replace, weigh};
+use super::plan::{Plan, StepId, Task};
+use super::point::{Block, Places, Point, WIDTH, Want};
+use super::tree::{STEPS, Tree};
+use super::vectors::widest;
+use crate::error::Result;
+use crate::interval::Interval;
+use crate::watch::Watch;
+use rayon::prelude::*;
+
+/// Columns of a tile unless said otherwise; a multiple of [`WIDTH`].
+const TILE_COLS: usize = 64;
+/// Rows of a tile unless said otherwise.
+const TILE_ROWS: usize = 32;
+
+/// Points in rows and columns; point (row, column) lies at `(x0 + column dx, y0 + row dy)`, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice {
+    /// x of the first column.
+    pub x0: f64,
+    /// y of the first row.
+    pub y0: f64,
+    /// Way from a column to the next.
+    pub dx: f64,
+    /// Way from a row to the next; negative where the first row lies in the north.
+    pub dy: f64,
+    /// Number of columns.
+    pub cols: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+/// How a lattice is cut into tiles; results do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tiling {
+    /// Columns of a tile, at least 1.
+    pub cols: usize,
+    /// Rows of a tile, at least 1.
+    pub rows: usize,
+}
+
+impl Default for Tiling {
+    fn default() -> Self {
+        Self { cols: TILE_COLS, rows: TILE_ROWS }
+    }
+}
+
+impl Lattice {
+    /// Coordinates of a point.
+    pub fn at(&self, row: usize, col: usize) -> [f64; 2] {
+        [self.x0 + col as f64 * self.dx, self.y0 + row as f64 * self.dy]
+    }
+
+    /// The box around the points from one row and column to others, ends included.
+    fn area(&self, first: (usize, usize), last: (usize, usize)) -> Area {
+        Area::of(&[self.at(first.0, first.1), self.at(last.0, last.1)])
+    }
+}
+
+impl Tree {
+    /// Elevations in metres at all points of a lattice, row by row, NaN where the terrain is not defined.
+    ///
+    /// # Errors
+    /// When the watch's job is cancelled.
+    pub fn elevations_m(&self, lattice: &Lattice, watch: &Watch) -> Result<Vec<f64>> {
+        self.evaluate(lattice, Tiling::default(), false, watch, |point| {
+            // Plus nothing: -0 and 0 are one elevation.
+            if point.weight.value >= super::THRESHOLD { point.elevation.value + 0.0 } else { f64::NAN }
+        })
+    }
+
+    /// What `make` makes of each point of a lattice, row by row; gradients are there if asked for.
+    ///
+    /// The same to the bit for any tiling and number of threads, and as [`Tree::at`], but for signs of zeros.
+    ///
+    /// # Errors
+    /// When the watch's job is cancelled. It advances by one a row.
+    pub fn evaluate<T: Copy + Default + Send>(
+        &self,
+        lattice: &Lattice,
+        tiling: Tiling,
+        gradient: bool,
+        watch: &Watch,
+        make: impl Fn(&Point) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        let Lattice { cols, rows, .. } = *lattice;
+        let mut out = vec![T::default(); cols * rows];
+        if out.is_empty() {
+            return Ok(out);
+        }
+        let (tile_cols, tile_rows) = (tiling.cols.max(1), tiling.rows.max(1));
+        let want = Want { elevation: true, gradient };
+        out.par_chunks_mut(tile_rows * cols).enumerate().try_for_each_init(
+            Work::default,
+            |work, (strip, values)| -> Result<()> {
+                let first_row = strip * tile_rows;
+                let high = values.len() / cols;
+                for first_col in (0..cols).step_by(tile_cols) {
+                    let wide = tile_cols.min(cols - first_col);
+                    let last = (first_row + high - 1, first_col + wide - 1);
+                    let plan = self.plan(&lattice.area((first_row, first_col), last), want);
+                    for row in 0..high {
+                        for col in (0..wide).step_by(WIDTH) {
+                            let count = WIDTH.min(wide - col);
+                            let at = row * cols + first_col + col;
+                            work.places.fill(lattice, first_row + row, first_col + col, count, &plan);
+                            let points = &mut values[at..at + count];
+                            if work.run(&plan) {
+                                for (k, value) in points.iter_mut().enumerate() {
+                                    let point =
+                                        if gradient { work.out.get::<true>(k) } else { work.out.get::<false>(k) };
+                                    *value = make(&point);
+                                }
+                            } else {
+                                points.fill(make(&Point::NOTHING));
+                            }
+                        }
+                    }
+                }
+                watch.advance(high as u64)
+            },
+        )?;
+        Ok(out)
+    }
+}
+
+impl Places {
+    /// Sets the places of `count` points of a row; the block's rest repeats the last.
+    fn fill(&mut self, lattice: &Lattice, row: usize, col: usize, count: usize, plan: &Plan<'_>) {
+        for k in 0..WIDTH {
+            let [x, y] = lattice.at(row, col + k.min(count - 1));
+            self.x[k] = x;
+            self.y[k] = y;
+            let kappa = plan.detail.at([x, y]);
+            [self.kappa[0][k], self.kappa[1][k], self.kappa[2][k]] = [kappa.value, kappa.dx, kappa.dy];
+        }
+        self.area = lattice.area((row, col), (row, col + count - 1));
+    }
+}
+
+impl Default for Places {
+    fn default() -> Self {
+        Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY }
+    }
+}
+
+/// Memory of one thread.
+#[derive(Default)]
+struct Work {
+    places: Places,
+    out: Block,
+    scratch: Scratch,
+}
+
+/// Blocks for results on the way, kept from block to block.
+#[derive(Default)]
+struct Scratch {
+    #[expect(clippy::vec_box, reason = "blocks are handed out and taken back, not copied")]
+    blocks: Vec<Box<Block>>,
+    /// Results of steps that several others ask for: none yet, nothing, or a block.
+    known: Vec<Option<Option<Box<Block>>>>,
+}
+
+impl Scratch {
+    /// A block with anything in it.
+    fn take(&mut self) -> Box<Block> {
+        self.blocks.pop().unwrap_or_default()
+    }
+
+    fn give(&mut self, block: Box<Block>) {
+        self.blocks.push(block);
+    }
+}
+
+impl Work {
+    /// Evaluates the block of `self.places`; false where nothing is defined.
+    fn run(&mut self, plan: &Plan<'_>) -> bool {
+        let Some(root) = plan.root else { return false };
+        let Self { places, out, scratch } = self;
+        for known in scratch.known.drain(..).flatten().flatten() {
+            scratch.blocks.push(known);
+        }
+        scratch.known.resize_with(plan.steps.len(), || None);
+        plan.block(root, places, out, scratch)
+    }
+}
+
+impl Plan<'_> {
+    /// Evaluates a step at a block of places; where it returns false the step is nothing, and `out` holds anything.
+    fn block(&self, id: StepId, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
+        let step = &self.steps[id as usize];
+        if !step.support.meets(&places.area) {
+            return false;
+        }
+        if step.uses < 2 {
+            return self.fresh(id, places, out, scratch);
+        }
+        match &scratch.known[id as usize] {
+            Some(None) => return false,
+            Some(Some(block)) => {
+                out.clone_from(block.as_ref());
+                return true;
+            }
+            None => {}
+        }
+        let found = self.fresh(id, places, out, scratch);
+        let copy = found.then(|| {
+            let mut block = scratch.take();
+            (*block).clone_from(out);
+            block
+        });
+        scratch.known[id as usize] = Some(copy);
+        found
+    }
+
+    /// The step's block, or zeros where it is nothing.
+    fn settled(&self, id: Option<StepId>, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
+        let found = id.is_some_and(|id| self.block(id, places, out, scratch));
+        if !found {
+            out.clear();
+        }
+        found
+    }
+
+    fn fresh(&self, id: StepId, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
+        let step = &self.steps[id as usize];
+        let gradient = step.want.gradient;
+        match &step.task {
+            Task::Leaf(primitive) => {
+                primitive.block(places, step.want, out);
+                true
+            }
+            Task::Blend(range) => {
+                let mut child = scratch.take();
+                let mut found = false;
+                for &operand in &self.operands[range.clone()] {
+                    if self.block(operand, places, &mut child, scratch) {
+                        if !found {
+                            out.clear();
+                        }
+                        found = true;
+                        run(gradient, |with| {
+                            if with {
+                                blend::gather_block::<true>(out, &child)
+                            } else {
+                                blend::gather_block::<false>(out, &child)
+                            }
+                        });
+                    }
+                }
+                scratch.give(child);
+                if found {
+                    run(gradient, |with| {
+                        if with { blend::divide_block::<true>(out) } else { blend::divide_block::<false>(out) }
+                    });
+                }
+                found
+            }
+            Task::Replace(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
+                if gradient { replace::replace::<true>(*rule, a, b) } else { replace::replace::<false>(*rule, a, b) }
+            }),
+            Task::Add(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
+                if gradient { add::add::<true>(*rule, a, b) } else { add::add::<false>(*rule, a, b) }
+            }),
+            Task::Level(thresholds, a, b) => self.pair(*a, *b, places, out, scratch, gradient, |k, a, b| {
+                let kappa = places.get(k).kappa;
+                if gradient {
+                    level::mix::<true>(thresholds, kappa, a, b)
+                } else {
+                    level::mix::<false>(thresholds, kappa, a, b)
+                }
+            }),
+            Task::Warp(warp, child) => self.warped(warp, *child, places, out, scratch, gradient),
+            Task::Weigh(rules, child, guide, around) => {
+                if !self.block(*child, places, out, scratch) {
+                    return false;
+                }
+                let mut guides = scratch.take();
+                let found = self.block(*guide, places, &mut guides, scratch);
+                if found {
+                    let mut steps: Vec<Box<Block>> = vec![];
+                    for (i, &id) in around.iter().flatten().enumerate() {
+                        let mut block = scratch.take();
+                        let _ = self.settled(id, &stepped(places, STEPS[i]), &mut block, scratch);
+                        steps.push(block);
+                    }
+                    for k in 0..WIDTH {
+                        let guide = guides.get::<true>(k);
+                        let at = |i: usize| steps[i].get::<true>(k);
+                        let around = (steps.len() == 4).then(|| [at(0), at(1), at(2), at(3)]);
+                        let point = if gradient {
+                            weigh::weigh::<true>(rules, out.get::<true>(k), guide, around)
+                        } else {
+                            weigh::weigh::<false>(rules, out.get::<false>(k), guide, None)
+                        };
+                        out.set::<true>(k, point);
+                    }
+                    for block in steps {
+                        scratch.give(block);
+                    }
+                }
+                scratch.give(guides);
+                found
+            }
+        }
+    }
+
+    /// Combines two operands point by point.
+    #[expect(clippy::too_many_arguments, reason = "operands, places, results and memory")]
+    #[inline(always)]
+    fn pair(
+        &self,
+        a: Option<StepId>,
+        b: Option<StepId>,
+        places: &Places,
+        out: &mut Block,
+        scratch: &mut Scratch,
+        gradient: bool,
+        combine: impl Fn(usize, Point, Point) -> Point,
+    ) -> bool {
+        let left = self.settled(a, places, out, scratch);
+        let mut other = scratch.take();
+        let right = self.settled(b, places, &mut other, scratch);
+        if left || right {
+            widest(
+                #[inline(always)]
+                || {
+                    if gradient {
+                        for k in 0..WIDTH {
+                            out.set::<true>(k, combine(k, out.get::<true>(k), other.get::<true>(k)));
+                        }
+                    } else {
+                        for k in 0..WIDTH {
+                            out.set::<false>(k, combine(k, out.get::<false>(k), other.get::<false>(k)));
+                        }
+                    }
+                },
+            );
+        }
+        scratch.give(other);
+        left || right
+    }
+
+    fn warped(
+        &self,
+        warp: &Warp,
+        child: StepId,
+        places: &Places,
+        out: &mut Block,
+        scratch: &mut Scratch,
+        gradient: bool,
+    ) -> bool {
+        let mut inside = Box::new(Places { area: warp.image(&places.area), ..Places::default() });
+        let mut jacobians: Box<[Matrix; WIDTH]> = Box::new([[[0.0; 2]; 2]; WIDTH]);
+        widest(
+            #[inline(always)]
+            || {
+                for k in 0..WIDTH {
+                    let (place, jacobian) = warp.enter(&places.get(k));
+                    [inside.x[k], inside.y[k]] = place.at;
+                    [inside.kappa[0][k], inside.kappa[1][k], inside.kappa[2][k]] =
+                        [place.kappa.value, place.kappa.dx, place.kappa.dy];
+                    jacobians[k] = jacobian;
+                }
+            },
+        );
+        // Shared steps are kept by step, and each step belongs to one frame: no other places come to it.
+        let found = self.block(child, &inside, out, scratch);
+        if found {
+            for k in 0..WIDTH {
+                if gradient {
+                    out.set::<true>(k, warp.leave(&jacobians[k], out.get::<true>(k)));
+                } else {
+                    out.set::<false>(k, warp.leave(&jacobians[k], out.get::<false>(k)));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Runs `work` with the widest vectors, told whether gradients are wanted.
+#[inline(always)]
+fn run(gradient: bool, work: impl FnOnce(bool)) {
+    widest(
+        #[inline(always)]
+        || work(gradient),
+    );
+}
+
+/// Places a step away.
+fn stepped(places: &Places, [dx, dy]: [f64; 2]) -> Box<Places> {
+    let mut moved = Box::new(places.clone());
+    for k in 0..WIDTH {
+        moved.x[k] += dx;
+        moved.y[k] += dy;
+    }
+    let by = |i: Interval, by: f64| Interval { min: i.min + by, max: i.max + by };
+    moved.area = Area { x: by(places.area.x, dx), y: by(places.area.y, dy) };
+    moved
+}

@@ -1,0 +1,90 @@
+//! Blending: `f = sum alpha_i f_i / sum alpha_i`, `alpha = sum alpha_i` (Génevaux et al. 2015, section 5.1).
+//!
+//! # Bounds
+//! `grad f = sum alpha_i grad f_i / alpha + sum (f_i - f) grad alpha_i / alpha`. With `f_i - f = sum_j beta_j (f_i - f_j)`
+//! and `beta_j = alpha_j / alpha`, the second sum is at most `D (sum lambda_i - min lambda_i) / inf alpha`, D the
+//! greatest difference of two children and `lambda_i` the slopes of their weights. For two children that is
+//! `max(lambda_A, lambda_B) + sup|f_A - f_B| max(lambda_alpha_A, lambda_alpha_B) / inf(alpha_A + alpha_B)`. The
+//! paper's appendix drops the division by `alpha_A + alpha_B`; where the terrain is defined that is a factor of at
+//! most 1 / T = 2, on the fringe there is no bound. What stays bounded there is alpha times the slope,
+//! [`Bounds::weighted_slope`], which is why a blend of blends still has a slope where it is defined.
+
+use crate::construction::bounds::Bounds;
+use crate::construction::point::{Block, Point, WIDTH};
+use crate::interval::{Interval, product};
+use crate::noise::Sample;
+
+/// Adds a child to the sums: numerator in `elevation`, denominator in `weight`.
+#[inline(always)]
+fn gather<const GRADIENT: bool>(sum: &mut Point, child: &Point) {
+    let (f, w) = (&child.elevation, &child.weight);
+    sum.elevation.value += w.value * f.value;
+    sum.weight.value += w.value;
+    if GRADIENT {
+        sum.elevation.dx += w.value * f.dx + f.value * w.dx;
+        sum.elevation.dy += w.value * f.dy + f.value * w.dy;
+        sum.weight.dx += w.dx;
+        sum.weight.dy += w.dy;
+    }
+}
+
+/// The blend of what was gathered.
+#[inline(always)]
+fn divide<const GRADIENT: bool>(sum: Point) -> Point {
+    let Point { elevation: n, weight: w } = sum;
+    let value = n.value / w.value;
+    let slope = |n: f64, w_slope: f64| if GRADIENT { (n - value * w_slope) / w.value } else { 0.0 };
+    Point { elevation: Sample { value, dx: slope(n.dx, w.dx), dy: slope(n.dy, w.dy) }, weight: w }.settled()
+}
+
+/// The blend of any number of children at a point, in their order.
+pub(in crate::construction) fn blend(children: impl Iterator<Item = Point>) -> Point {
+    let mut sum = Point::NOTHING;
+    for child in children {
+        gather::<true>(&mut sum, &child);
+    }
+    divide::<true>(sum)
+}
+
+/// Adds a child's block to the sums.
+#[inline(always)]
+pub(in crate::construction) fn gather_block<const GRADIENT: bool>(sum: &mut Block, child: &Block) {
+    for k in 0..WIDTH {
+        let mut point = sum.get::<GRADIENT>(k);
+        gather::<GRADIENT>(&mut point, &child.get::<GRADIENT>(k));
+        sum.set::<GRADIENT>(k, point);
+    }
+}
+
+/// The blend of what was gathered, in place.
+#[inline(always)]
+pub(in crate::construction) fn divide_block<const GRADIENT: bool>(sum: &mut Block) {
+    for k in 0..WIDTH {
+        sum.set::<GRADIENT>(k, divide::<GRADIENT>(sum.get::<GRADIENT>(k)));
+    }
+}
+
+/// Bounds of a blend of children none of which is nothing.
+pub(in crate::construction) fn bounds(children: &[Bounds]) -> Bounds {
+    let Some(first) = children.first() else { return Bounds::NOTHING };
+    let mut elevation = first.elevation;
+    let mut weight = Interval::ZERO;
+    let (mut steepest, mut weighted, mut slopes, mut least) = (0.0_f64, 0.0, 0.0, f64::INFINITY);
+    for child in children {
+        elevation = elevation.hull(child.elevation);
+        weight = weight.plus(child.weight);
+        steepest = steepest.max(child.slope);
+        weighted += child.weighted_slope;
+        slopes += child.weight_slope;
+        least = least.min(child.weight_slope);
+    }
+    // The greatest difference between two different children.
+    let apart = if children.len() == 1 { 0.0 } else { elevation.width() };
+    // An infinite slope of a weight less itself is no number.
+    let others = if least.is_finite() { slopes - least } else { slopes };
+    let drift = product(apart, if children.len() == 1 { 0.0 } else { others });
+    let over = |bound: f64| if bound == 0.0 { 0.0 } else { bound / weight.min };
+    let slope = (steepest + over(drift)).min(over(weighted + drift));
+    let weighted_slope = (weighted + drift).min(product(slope, weight.max));
+    Bounds { elevation, slope, weighted_slope, weight, weight_slope: slopes }.widened()
+}

@@ -1,0 +1,228 @@
+//! One parabola.
+
+use crate::construction::area::Area;
+use crate::error::{Error, Result};
+use crate::interval::Interval;
+
+/// `B(t) = p + 2 t b + t² a` in plan, t of `[0, 1]`, and the elevation along it in the same form.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::construction) struct Piece {
+    p: [f64; 2],
+    b: [f64; 2],
+    a: [f64; 2],
+    z: [f64; 3],
+    /// Length of the curve before it, and its own, in metres.
+    pub(in crate::construction) from_m: f64,
+    pub(in crate::construction) length_m: f64,
+    /// Bound of the angle by which the curve has turned before it, and by which it turns itself, in radians.
+    pub(in crate::construction) turned_before: f64,
+    pub(in crate::construction) turning: f64,
+    /// Greatest curvature per metre, and least speed in metres per unit of t.
+    pub(in crate::construction) curvature: f64,
+    pub(in crate::construction) slowest: f64,
+    /// Whether the curve has a corner where it begins.
+    pub(in crate::construction) corner: bool,
+    pub(in crate::construction) area: Area,
+}
+
+/// The product `x1 y2 - y1 x2`.
+#[inline(always)]
+pub(in crate::construction) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// The scalar product.
+#[inline(always)]
+pub(in crate::construction) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+impl Piece {
+    /// The parabola with control points `[x, y, z]`.
+    ///
+    /// # Errors
+    /// A usage error where it turns back on itself: there it has no direction.
+    pub(super) fn new(p: [f64; 3], c: [f64; 3], q: [f64; 3]) -> Result<Self> {
+        let b = [c[0] - p[0], c[1] - p[1]];
+        let a = [p[0] - 2.0 * c[0] + q[0], p[1] - 2.0 * c[1] + q[1]];
+        // |B'|² = 4 |b + t a|² is least at t = - a.b / a.a.
+        let square = dot(a, a);
+        let t = if square > 0.0 { (-dot(a, b) / square).clamp(0.0, 1.0) } else { 0.0 };
+        let slow = [b[0] + t * a[0], b[1] + t * a[1]];
+        let slowest = 2.0 * dot(slow, slow).sqrt();
+        let chord = [q[0] - p[0], q[1] - p[1]];
+        let moves = slowest > 1e-9 * dot(chord, chord).sqrt().max(dot(b, b).sqrt());
+        if !moves {
+            return Err(Error::usage("it turns back on itself; leave points out or move them"));
+        }
+        let area = Area::of(&[[p[0], p[1]], [c[0], c[1]], [q[0], q[1]]]).widened();
+        let mut piece = Self {
+            p: [p[0], p[1]],
+            b,
+            a,
+            z: [p[2], c[2], q[2]],
+            from_m: 0.0,
+            length_m: 0.0,
+            turned_before: 0.0,
+            turning: 0.0,
+            curvature: 4.0 * cross(b, a).abs() / (slowest * slowest * slowest),
+            slowest,
+            corner: false,
+            area,
+        };
+        piece.turning = Self::turn(piece.tangent(0.0), piece.tangent(1.0));
+        // Sixteen chords: a measure along the curve, near its length, the same everywhere.
+        let mut before = piece.at(0.0);
+        for i in 1..=16 {
+            let next = piece.at(f64::from(i) / 16.0);
+            let way = [next[0] - before[0], next[1] - before[1]];
+            piece.length_m += dot(way, way).sqrt();
+            before = next;
+        }
+        Ok(piece)
+    }
+
+    /// Bound of the angle between two unit vectors: pi/2 times their distance.
+    pub(super) fn turn(s: [f64; 2], t: [f64; 2]) -> f64 {
+        let gap = [t[0] - s[0], t[1] - s[1]];
+        std::f64::consts::FRAC_PI_2 * dot(gap, gap).sqrt()
+    }
+
+    /// The point at t.
+    #[inline(always)]
+    pub(in crate::construction) fn at(&self, t: f64) -> [f64; 2] {
+        let along = |k: usize| self.p[k] + t * (2.0 * self.b[k] + t * self.a[k]);
+        [along(0), along(1)]
+    }
+
+    /// The derivative at t.
+    #[inline(always)]
+    pub(in crate::construction) fn velocity(&self, t: f64) -> [f64; 2] {
+        [2.0 * (self.b[0] + t * self.a[0]), 2.0 * (self.b[1] + t * self.a[1])]
+    }
+
+    /// The second derivative.
+    #[inline(always)]
+    pub(in crate::construction) fn acceleration(&self) -> [f64; 2] {
+        [2.0 * self.a[0], 2.0 * self.a[1]]
+    }
+
+    /// The unit tangent at t.
+    #[inline(always)]
+    pub(in crate::construction) fn tangent(&self, t: f64) -> [f64; 2] {
+        let v = self.velocity(t);
+        let speed = dot(v, v).sqrt();
+        [v[0] / speed, v[1] / speed]
+    }
+
+    /// The elevation at t in metres, and its derivative by t.
+    #[inline(always)]
+    pub(in crate::construction) fn elevation_m(&self, t: f64) -> (f64, f64) {
+        let [z0, z1, z2] = self.z;
+        let (a, b) = (z0 + t * (z1 - z0), z1 + t * (z2 - z1));
+        (a + t * (b - a), 2.0 * (b - a))
+    }
+
+    /// Range of the elevation, and bound of its derivative by t.
+    pub(in crate::construction) fn elevations_m(&self) -> (Interval, f64) {
+        let [z0, z1, z2] = self.z;
+        let range = Interval::new(z0, z1).hull(Interval::point(z2));
+        (range.widened(), 2.0 * (z1 - z0).abs().max((z2 - z1).abs()))
+    }
+
+    /// Least of `B x B'` for a piece around the origin; positive where it runs to the left around it.
+    pub(in crate::construction) fn least_sweep(&self) -> f64 {
+        // Half of it is p x b + t p x a + t² b x a.
+        let (c0, c1, c2) = (cross(self.p, self.b), cross(self.p, self.a), cross(self.b, self.a));
+        let value = |t: f64| 2.0 * (c0 + t * (c1 + t * c2));
+        let stationary = if c2 > 0.0 { (-c1 / (2.0 * c2)).clamp(0.0, 1.0) } else { 0.0 };
+        value(0.0).min(value(1.0)).min(value(stationary))
+    }
+
+    /// Greatest speed, in metres per unit of t.
+    pub(in crate::construction) fn fastest(&self) -> f64 {
+        let speed = |t: f64| dot(self.velocity(t), self.velocity(t)).sqrt();
+        speed(0.0).max(speed(1.0))
+    }
+
+    /// Bound of the distance from the origin.
+    pub(in crate::construction) fn farthest(&self) -> f64 {
+        let corner = [self.area.x.size(), self.area.y.size()];
+        dot(corner, corner).sqrt()
+    }
+
+    /// Parameter where a ray from the origin meets the piece, which runs to the left around it.
+    pub(in crate::construction) fn crossing(&self, e: [f64; 2]) -> f64 {
+        // B x e falls through 0: k0 + k1 t + k2 t² with e x B rises.
+        let (k0, k1, k2) = (cross(e, self.p), 2.0 * cross(e, self.b), cross(e, self.a));
+        let root = (k1 * k1 - 4.0 * k2 * k0).max(0.0).sqrt();
+        let t = if k1 > 0.0 { -2.0 * k0 / (k1 + root) } else { (root - k1) / (2.0 * k2) };
+        // Where rounding leaves 0 / 0.
+        if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
+    }
+
+    /// Parameter of the nearest point, and the square of its distance.
+    ///
+    /// Half the derivative of the squared distance is the cubic `b.w + (2 b.b + a.w) t + 3 a.b t² + a.a t³` with
+    /// `w = p - place`. Between its stationary points it is monotone, and where it rises through 0 there is a minimum:
+    /// at most two, each in its own bracket.
+    pub(in crate::construction) fn nearest(&self, place: [f64; 2]) -> (f64, f64) {
+        let (a, b) = (self.a, self.b);
+        let w = [self.p[0] - place[0], self.p[1] - place[1]];
+        let c = [dot(b, w), 2.0 * dot(b, b) + dot(a, w), 3.0 * dot(a, b), dot(a, a)];
+        let value = |t: f64| c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+        // From the offset itself, not from the point: coordinates may be large.
+        let square = |t: f64| {
+            let along = |k: usize| w[k] + t * (2.0 * b[k] + t * a[k]);
+            let offset = [along(0), along(1)];
+            dot(offset, offset)
+        };
+        let mut best = (0.0, square(0.0));
+        let mut offer = |t: f64| {
+            let square = square(t);
+            if square < best.1 {
+                best = (t, square);
+            }
+        };
+        let mut stops = [0.0, 1.0, 1.0, 1.0];
+        let root = c[2] * c[2] - 3.0 * c[3] * c[1];
+        if root > 0.0 {
+            let q = -(c[2] + if c[2] < 0.0 { -root.sqrt() } else { root.sqrt() });
+            // Roots of c1 + 2 c2 t + 3 c3 t².
+            let (s, t) = (q / (3.0 * c[3]), c[1] / q);
+            let inside = |t: f64| if t > 0.0 && t < 1.0 { t } else { 1.0 };
+            (stops[1], stops[2]) = (inside(s).min(inside(t)), inside(s).max(inside(t)));
+        }
+        for k in 0..3 {
+            let (low, high) = (stops[k], stops[k + 1]);
+            if low < high && value(low) < 0.0 && value(high) > 0.0 {
+                offer(rising_root(&c, low, high));
+            }
+        }
+        offer(1.0);
+        best
+    }
+}
+
+/// The root of a cubic that rises from below 0 at `low` to above at `high`, monotonically: Newton's steps, and halving
+/// where they leave the bracket.
+fn rising_root(c: &[f64; 4], mut low: f64, mut high: f64) -> f64 {
+    let mut t = (low + high) / 2.0;
+    for _ in 0..60 {
+        let value = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+        if value < 0.0 {
+            low = t;
+        } else {
+            high = t;
+        }
+        let slope = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
+        let newton = t - value / slope;
+        let next = if newton > low && newton < high { newton } else { (low + high) / 2.0 };
+        let step = (next - t).abs();
+        t = next;
+        if step <= 1e-15 {
+            break;
+        }
+    }
+    t
+}
