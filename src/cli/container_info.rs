@@ -54,7 +54,7 @@ pub(super) fn describe(path: &Path) -> Result<(Value, String)> {
         band["metadata"] = json!(items(&record.metadata));
     }
     let hash: String = reader.hash().iter().map(|byte| format!("{byte:02x}")).collect();
-    let result = json!({
+    let mut result = json!({
         "format": "oro",
         "format_version": reader.version(),
         "bytes": reader.file_length(),
@@ -79,17 +79,11 @@ pub(super) fn describe(path: &Path) -> Result<(Value, String)> {
         "sections": sections,
         "hash": hash,
     });
-    let result = match reader.dictionary() {
-        Some(dictionary) => with_dictionary(result, dictionary_json(description, dictionary)),
-        None => result,
-    };
+    if let Some(dictionary) = reader.dictionary() {
+        result["dictionary"] = dictionary_json(description, dictionary);
+    }
     let text = text(&result, &source);
     Ok((result, text))
-}
-
-fn with_dictionary(mut result: Value, dictionary: Value) -> Value {
-    result["dictionary"] = dictionary;
-    result
 }
 
 fn text(result: &Value, source: &ContainerSource) -> String {

@@ -3,7 +3,7 @@
 use super::container_text::{band_lines, bands_json, size_text};
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions, unit_of};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, named_oro, unit_of};
 use super::sparse::{PatchOptions, StoredInput, sparse_json, sparse_text};
 use super::wrong_value;
 use crate::error::{Error, Result};
@@ -85,8 +85,8 @@ impl Encode {
         if is_stream && reporter.is_json() {
             return Err(Error::usage("--json and the output - cannot be given together: both go to standard output"));
         }
-        if !is_stream && !self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("oro")) {
-            return Err(Error::usage("the output is an .oro file: name it so").at_path(&self.output));
+        if !is_stream {
+            named_oro(&self.output)?;
         }
         let sparse = self.sparse.then(|| self.sparse_job(&job));
         let told = watched(reporter, |watch, reporter| {

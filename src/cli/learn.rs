@@ -3,7 +3,7 @@
 use super::container_text::size_text;
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, named_oro};
 use super::sparse::{PatchOptions, StoredInput};
 use crate::error::{Error, Result};
 use crate::pipeline::archive::Target;
@@ -43,9 +43,7 @@ impl Learn {
             return Err(Error::usage("rasters to learn from and an output are needed"));
         };
         exemplars.iter().for_each(|path| reporter.input(path));
-        if !output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("oro")) {
-            return Err(Error::usage("the output is an .oro file: name it so").at_path(output));
-        }
+        named_oro(output)?;
         let job = LearnJob {
             exemplars: exemplars.to_vec(),
             raster: self.raster.meant()?,

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::io::raster::RasterOptions;
 use crate::units::{LengthUnit, parse_memory};
 use clap::Args;
+use std::path::Path;
 
 /// Options of every verb.
 #[derive(Args, Clone, Debug, Default)]
@@ -150,6 +151,14 @@ pub(super) struct OutputOptions {
     /// Replace outputs that exist already.
     #[arg(long)]
     pub(super) overwrite: bool,
+}
+
+/// Refuses an output that is to be an .oro file and is not named so.
+pub(super) fn named_oro(output: &Path) -> Result<()> {
+    match output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("oro")) {
+        true => Ok(()),
+        false => Err(Error::usage("the output is an .oro file: name it so").at_path(output)),
+    }
 }
 
 /// Options of verbs that keep much in memory.

@@ -1,6 +1,7 @@
 //! Where the patches of a terrain lie: a regular grid of discs.
 
 use super::shape::PatchShape;
+use crate::codec::sparse::Lattice;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A regular grid of discs that covers a raster (paper 001, figure 5).
@@ -15,12 +16,8 @@ use crate::error::{Error, ErrorKind, Result};
 pub struct PatchLayout {
     rows: usize,
     cols: usize,
-    step: usize,
     shape: PatchShape,
-    down: usize,
-    across: usize,
-    top: i64,
-    left: i64,
+    lattice: Lattice,
 }
 
 impl PatchLayout {
@@ -36,23 +33,18 @@ impl PatchLayout {
         if rows == 0 || cols == 0 || rows > 1 << 30 || cols > 1 << 30 {
             return Err(Error::usage(format!("patches need a raster, and {rows} x {cols} cells are none")));
         }
-        let reach = |step: usize| step + (step + side) % 2;
-        let covers = |step: usize| step > 0 && step <= side && 2 * reach(step) * reach(step) < side * side;
-        if !covers(step) {
-            let most = (1..side).rev().find(|&s| covers(s)).unwrap_or(1);
+        if !Lattice::covers(side, step) {
+            let most = (1..side).rev().find(|&step| Lattice::covers(side, step)).unwrap_or(1);
             return Err(Error::usage(format!(
                 "discs of side {side} cover the terrain with steps of 1 to {most}, not {step}"
             )));
         }
-        let (down, across) = (rows.div_ceil(step), cols.div_ceil(step));
+        let lattice = Lattice::new(cols, rows, side, step);
+        let Lattice { down, across, .. } = lattice;
         if down.checked_mul(across).is_none_or(|count| count >= u32::MAX as usize) {
             return Err(Error::new(ErrorKind::Unsupported, format!("{down} x {across} patches; take a longer step")));
         }
-        let first = |count: usize, cells: usize| {
-            (step as i64 - side as i64).div_euclid(2) - ((count * step - cells) / 2) as i64
-        };
-        let (top, left) = (first(down, rows), first(across, cols));
-        Ok(Self { rows, cols, step, shape, down, across, top, left })
+        Ok(Self { rows, cols, shape, lattice })
     }
 
     /// Number of rows of the raster.
@@ -67,7 +59,12 @@ impl PatchLayout {
 
     /// From one centre to the next, in cells.
     pub fn step(&self) -> usize {
-        self.step
+        self.lattice.step
+    }
+
+    /// Where the squares lie.
+    pub fn lattice(&self) -> Lattice {
+        self.lattice
     }
 
     /// The shape of the patches.
@@ -77,37 +74,37 @@ impl PatchLayout {
 
     /// Rows and columns of patches.
     pub fn patches(&self) -> (usize, usize) {
-        (self.down, self.across)
+        (self.lattice.down, self.lattice.across)
     }
 
     /// Number of places for patches; places are numbered row by row.
     pub fn places(&self) -> usize {
-        self.down * self.across
+        self.lattice.down * self.lattice.across
     }
 
     /// Row and column of the first cell of the square at a place; outside the raster they may be negative.
     pub fn corner(&self, place: usize) -> (i64, i64) {
-        let (i, j) = ((place / self.across) as i64, (place % self.across) as i64);
-        (self.top + i * self.step as i64, self.left + j * self.step as i64)
+        let (i, j) = ((place / self.lattice.across) as i64, (place % self.lattice.across) as i64);
+        (self.lattice.top + i * self.lattice.step as i64, self.lattice.left + j * self.lattice.step as i64)
     }
 
     /// Rows of places, and columns of places, whose squares hold cells or points of a window: from `from` to `to`,
     /// in cells of the raster, both included.
     pub(super) fn places_at(&self, rows: (f64, f64), cols: (f64, f64)) -> [std::ops::Range<usize>; 2] {
         let range = |first: i64, count: usize, (from, to): (f64, f64)| {
-            let step = self.step as f64;
+            let step = self.lattice.step as f64;
             let begin = ((from - first as f64 - self.shape.side() as f64) / step).floor().max(0.0) as usize;
             let end = ((to - first as f64) / step).floor() + 1.0;
             begin.min(count)..(end.max(0.0) as usize).min(count)
         };
-        [range(self.top, self.down, rows), range(self.left, self.across, cols)]
+        [range(self.lattice.top, self.lattice.down, rows), range(self.lattice.left, self.lattice.across, cols)]
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::shape::fall_off;
     use super::*;
+    use crate::codec::sparse::fall_off;
     use proptest::prelude::*;
 
     fn layout(rows: usize, cols: usize, side: usize, step: Option<usize>) -> PatchLayout {

@@ -1,18 +1,11 @@
 //! The shape of patches and atoms: a square of values with a disc of weights in it.
 
+use crate::codec::sparse::weights;
 use crate::error::{Error, Result};
 use crate::linalg::dot;
 
 /// Longest side of a patch.
 pub(super) const MOST_SIDE: usize = 4096;
-
-/// The weight of a point at `x`, `y` cells from the centre of a disc: (1 - r²)³ for r < 1, else 0, where r counts
-/// in radii (paper 001, section 4.1).
-#[inline(always)]
-pub(super) fn fall_off(x: f64, y: f64, radius: f64) -> f64 {
-    let left = 1.0 - (x * x + y * y) / (radius * radius);
-    if left > 0.0 { left * left * left } else { 0.0 }
-}
 
 /// The shape of patches and atoms.
 ///
@@ -38,10 +31,7 @@ impl PatchShape {
         if !(3..=MOST_SIDE).contains(&side) {
             return Err(Error::usage(format!("patches of side {side}: 3 to {MOST_SIDE} cells are possible")));
         }
-        let radius = side as f64 / 2.0;
-        let from_centre = |i: usize| i as f64 + 0.5 - radius;
-        let weights: Vec<f64> =
-            (0..side * side).map(|k| fall_off(from_centre(k % side), from_centre(k / side), radius)).collect();
+        let weights = weights(side);
         let disc: Vec<u32> = (0..weights.len()).filter(|&k| weights[k] > 0.0).map(|k| k as u32).collect();
         let roots = disc.iter().map(|&k| weights[k as usize].sqrt() as f32).collect();
         Ok(Self { side, weights, disc, roots })

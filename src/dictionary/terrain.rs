@@ -5,7 +5,7 @@ use super::codes::Codes;
 use super::layout::PatchLayout;
 use super::patches::Patches;
 use super::pursuit::Decomposition;
-use super::shape::fall_off;
+use crate::codec::sparse::fall_off;
 use crate::error::{Error, ErrorKind, Result};
 use crate::linalg::vectorised;
 use rayon::prelude::*;

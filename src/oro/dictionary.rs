@@ -62,7 +62,7 @@ impl Dictionary {
     /// A usage error that says what is wrong.
     pub fn check(&self, description: &Description) -> Result<()> {
         let wrong = |message: String| Err(Error::usage(message));
-        if !(MIN_SIDE..=MAX_SIDE).contains(&self.side) || self.step == 0 || !covers(self.side, self.step) {
+        if !(MIN_SIDE..=MAX_SIDE).contains(&self.side) || !Lattice::covers(self.side, self.step) {
             return wrong(format!("patches of {} cells every {} cells leave gaps", self.side, self.step));
         }
         let size = self.side * self.side;
@@ -82,12 +82,6 @@ impl Dictionary {
             _ => wrong("the sparse profile holds one band of 32-bit floats".into()),
         }
     }
-}
-
-/// Whether discs in squares of `side` cells every `step` cells leave no gaps, wherever half a cell is lost.
-fn covers(side: usize, step: usize) -> bool {
-    let reach = step + (step + side) % 2;
-    2 * reach * reach < side * side
 }
 
 /// The section's bytes.

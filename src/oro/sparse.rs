@@ -19,17 +19,16 @@ pub(super) struct Sparse {
     pub(super) lattice: Lattice,
 }
 
-impl Sparse {
-    /// Columns and rows of the places that are stored with a tile.
-    fn places(&self, place: Place, shape: TileShape, side: usize) -> (Range<usize>, Range<usize>) {
-        let stored = |first: usize, length: usize| self.lattice.stored_with(first * side..first * side + length);
-        (stored(place.col, shape.width), stored(place.row, shape.height))
-    }
+/// Columns and rows of the places that are stored with a tile of a raster whose whole tiles have a `side`.
+fn places_of(lattice: &Lattice, place: Place, shape: TileShape, side: usize) -> (Range<usize>, Range<usize>) {
+    let stored = |first: usize, length: usize| lattice.stored_with(first * side..first * side + length);
+    (stored(place.col, shape.width), stored(place.row, shape.height))
+}
 
-    fn limits(&self) -> (u32, usize) {
-        // A dictionary has far fewer atoms than 2^32.
-        (self.dictionary.count() as u32, self.dictionary.sparsity)
-    }
+/// Number of atoms, and most terms of a patch.
+fn limits(dictionary: &Dictionary) -> (u32, usize) {
+    // A dictionary has far fewer atoms than 2^32.
+    (dictionary.count() as u32, dictionary.sparsity)
 }
 
 /// Encodes the patches of a tile: those at the places that its cells' columns and rows hold when each is divided by
@@ -49,14 +48,13 @@ pub fn encode_patch_chunk(
         return Err(Error::usage(format!("{place}: the raster has no such tile")));
     }
     let shape = tiling.shape(place.col, place.row);
-    let sparse = Sparse { lattice: dictionary.lattice(description), dictionary: dictionary.clone() };
-    let (cols, rows) = sparse.places(place, shape, tiling.side);
+    let (cols, rows) = places_of(&dictionary.lattice(description), place, shape, tiling.side);
     if (patches.across, patches.down) != (cols.len(), rows.len()) {
         let (across, down) = (patches.across, patches.down);
         let message = format!("{across} x {down} patches for {} x {} places", cols.len(), rows.len());
         return Err(Error::usage(message).at_place(place.to_string()));
     }
-    let (atoms, sparsity) = sparse.limits();
+    let (atoms, sparsity) = limits(dictionary);
     let tile = encode_patches(patches, shape, atoms, sparsity).map_err(|error| error.at_place(place.to_string()))?;
     let (bytes, lengths) = seal(&tile)?;
     Ok(Chunk { place, bytes, lengths, top: Cells::F32(vec![]), largest_error: 0.0 })
@@ -66,8 +64,8 @@ impl ChunkBytes {
     /// The patches of the chunk.
     pub(super) fn patches(&self, sparse: &Sparse) -> Result<PatchTile> {
         let segments = self.sound_segments(SEGMENTS)?;
-        let (cols, rows) = sparse.places(self.place, self.shape, self.side);
-        decode_patches(&segments, self.shape, (cols.len(), rows.len()), sparse.limits())
+        let (cols, rows) = places_of(&sparse.lattice, self.place, self.shape, self.side);
+        decode_patches(&segments, self.shape, (cols.len(), rows.len()), limits(&sparse.dictionary))
             .map_err(|error| error.at_place(self.place.to_string()))
     }
 }
@@ -81,7 +79,7 @@ impl<R: RangeRead> Reader<R> {
         let sparse = self.tiles.sparse.as_deref();
         let sparse = sparse.ok_or_else(|| Error::usage("the file is not of the sparse profile: it has no patches"))?;
         let chunk = self.chunk(place, 0)?;
-        let (cols, rows) = sparse.places(place, chunk.shape, chunk.side);
+        let (cols, rows) = places_of(&sparse.lattice, place, chunk.shape, chunk.side);
         Ok((chunk.patches(sparse)?, [cols.start, rows.start]))
     }
 
@@ -118,7 +116,7 @@ impl<R: RangeRead> Reader<R> {
             read.extend(area.read(&self.source, &run, SEGMENTS)?);
         }
         for (i, chunk) in read.iter().enumerate() {
-            let (cols, rows) = sparse.places(chunk.place, chunk.shape, chunk.side);
+            let (cols, rows) = places_of(&sparse.lattice, chunk.place, chunk.shape, chunk.side);
             match chunk.patches(sparse) {
                 Ok(tile) => {
                     mark_voids(&mut voids, block, level, chunk, Some(&tile.voids));

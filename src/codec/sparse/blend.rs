@@ -1,6 +1,5 @@
 //! From patches to cells.
 
-use super::patches::PatchTile;
 use super::terms::Term;
 use std::ops::Range;
 
@@ -43,6 +42,13 @@ impl Lattice {
         Self { side, step, top: first(down, height), left: first(across, width), across, down }
     }
 
+    /// Whether discs in squares of `side` cells every `step` cells leave no gaps, half a cell being lost where one of
+    /// them is even and the other odd.
+    pub fn covers(side: usize, step: usize) -> bool {
+        let reach = step.saturating_add((step % 2) ^ (side % 2));
+        step > 0 && reach <= side && 2 * reach * reach < side * side
+    }
+
     /// The places whose patches are stored with the tile that holds these cells of a row or column: those whose
     /// number times the step is one of them.
     pub fn stored_with(&self, cells: Range<usize>) -> Range<usize> {
@@ -68,17 +74,18 @@ impl Lattice {
     }
 }
 
-/// The weights of a patch's cells: `(1 - r²)³` for the distance r from the patch's centre in half sides, 0 beyond.
-fn weights(side: usize) -> Vec<f64> {
+/// The weight of a point at `x`, `y` cells from the centre of a disc: `(1 - r²)³` for the distance r in radii, 0 beyond.
+#[inline(always)]
+pub fn fall_off(x: f64, y: f64, radius: f64) -> f64 {
+    let left = 1.0 - (x * x + y * y) / (radius * radius);
+    if left > 0.0 { left * left * left } else { 0.0 }
+}
+
+/// The weights of a patch's cells, row by row: those of its disc, which touches the sides of its square.
+pub fn weights(side: usize) -> Vec<f64> {
     let radius = side as f64 / 2.0;
-    let square = radius * radius;
     let centred = |i: usize| i as f64 + 0.5 - radius;
-    let weight = |k: usize| {
-        let (x, y) = (centred(k % side), centred(k / side));
-        let left = 1.0 - (x * x + y * y) / square;
-        if left > 0.0 { left * left * left } else { 0.0 }
-    };
-    (0..side * side).map(weight).collect()
+    (0..side * side).map(|k| fall_off(centred(k % side), centred(k / side), radius)).collect()
 }
 
 /// Adds patches up in a window of the cells of a level, whose columns and rows are every `stride`-th of the raster.
@@ -156,17 +163,6 @@ impl Blend {
             sum[0] += weight * height;
             sum[1] += weight;
         });
-    }
-
-    /// Adds the patches of a tile that reach into the window; `first` is the row and column of its first place.
-    pub fn add_tile(&mut self, tile: &PatchTile, first: (usize, usize), atoms: &[i32], steps: &Steps) {
-        let (cols, rows) = self.places();
-        for (place, patch) in tile.patches().enumerate() {
-            let at = (first.0 + place / tile.across, first.1 + place % tile.across);
-            if let Some(patch) = patch.filter(|_| rows.contains(&at.0) && cols.contains(&at.1)) {
-                self.add(at, patch, atoms, steps);
-            }
-        }
     }
 
     /// The cells, row by row; NaN where there is no patch.

@@ -11,6 +11,6 @@ mod patches;
 mod terms;
 
 pub use atoms::{MAX_ATOM_VALUES, decode_atoms, encode_atoms};
-pub use blend::{Blend, Lattice, Steps, blended};
+pub use blend::{Blend, Lattice, Steps, blended, fall_off, weights};
 pub use patches::{PatchTile, decode_patches, encode_patches};
 pub use terms::{MAX_TERMS, Term};

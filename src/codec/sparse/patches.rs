@@ -216,6 +216,20 @@ mod tests {
     }
 
     #[test]
+    fn a_place_without_a_patch_comes_back() {
+        // Found by the property above.
+        let mut tile = PatchTile::new(1, 1);
+        tile.push(None);
+        let encoded = encode_patches(&tile, SHAPE, 1, 0).unwrap();
+        assert_eq!(decode_patches(&parts(&encoded), SHAPE, (1, 1), (1, 0)).unwrap(), tile);
+        for bit in 0..encoded.segments[0].len() * 8 {
+            let mut damaged = encoded.clone();
+            damaged.segments[0][bit / 8] ^= 1 << (bit % 8);
+            let _ = decode_patches(&parts(&damaged), SHAPE, (1, 1), (1, 0));
+        }
+    }
+
+    #[test]
     fn what_does_not_fit_is_refused() {
         let mut tile = PatchTile::new(1, 1);
         assert!(encode_patches(&tile, SHAPE, 4, 2).is_err(), "a place is not filled");

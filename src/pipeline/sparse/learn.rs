@@ -8,7 +8,7 @@ use super::model::ModelOptions;
 use super::read::Band;
 use crate::codec::sparse::{PatchTile, Steps, Term};
 use crate::dictionary::{
-    Choice, Dictionary, Learning, Origin, PatchLayout, PatchShape, Patches, Raster, Samples, learn, learn_constrained,
+    Dictionary, Origin, PatchLayout, PatchShape, Patches, Raster, Samples, learn, learn_constrained,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
@@ -55,7 +55,7 @@ pub struct LearnReport {
     pub time: Duration,
 }
 
-/// Runs the job; returns nothing when nobody reads the stream any more.
+/// Runs the job.
 ///
 /// # Errors
 /// Anything that is wrong with the inputs, the output or the options; then no file has changed.
@@ -81,11 +81,7 @@ pub fn run(job: &LearnJob, target: Target<'_>, watch: &Watch, warn: &mut dyn FnM
         cells_m = cells_m.or(cell);
     }
     let samples = Samples::join(&samples)?;
-    let how = Learning {
-        iterations: job.model.iterations,
-        sparsity: job.model.sparsity.max(1),
-        choice: Choice::SmallestResidual,
-    };
+    let how = job.model.learning();
     let learned = match job.constrained {
         true => {
             let candidates = samples.clone().into_dictionary();

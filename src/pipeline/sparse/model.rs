@@ -41,6 +41,14 @@ impl Default for ModelOptions {
     }
 }
 
+impl ModelOptions {
+    /// How a dictionary is learned.
+    pub(super) fn learning(&self) -> Learning {
+        let choice = Choice::SmallestResidual;
+        Learning { iterations: self.iterations, sparsity: self.sparsity.max(1), choice }
+    }
+}
+
 /// A raster in the words of a container of the sparse profile.
 #[derive(Clone, Debug)]
 pub struct Model {
@@ -85,9 +93,8 @@ impl Model {
         let (atoms, dictionary) = rounded(&dictionary, steps.atom)?;
         let decomposition = decompose(&patches, &dictionary, options.sparsity)?;
         watch.advance(1)?;
-        let layout = patches.layout();
-        let (side, step) = (layout.shape().side(), layout.step());
-        let lattice = Lattice::new(raster.cols(), raster.rows(), side, step);
+        let lattice = patches.layout().lattice();
+        let Lattice { side, step, .. } = lattice;
         let found = oro::Found { least: 0.0, greatest: 0.0, rmse: 0.0 };
         let sparsity = options.sparsity;
         let dictionary = oro::Dictionary { side, step, sparsity, steps, atoms, found };
@@ -190,12 +197,7 @@ fn learned(patches: &Patches, options: &ModelOptions, watch: &Watch) -> Result<D
         return Dictionary::from_values(side, vec![0.0; side * side], vec![Origin::Learned], vec![]);
     }
     let start = samples.draw(options.atoms, options.seed)?;
-    let how = Learning {
-        iterations: options.iterations,
-        sparsity: options.sparsity.max(1),
-        choice: Choice::SmallestResidual,
-    };
-    Ok(learn(&samples, start, &how, watch)?.dictionary)
+    Ok(learn(&samples, start, &options.learning(), watch)?.dictionary)
 }
 
 /// Atoms and coefficients of all patches; none with a sparsity of 0.
