@@ -6,14 +6,12 @@ use orograph::grid::SampleType;
 use std::process::ExitCode;
 use std::time::Instant;
 
-const USAGE: &str = "usage: orograph-codec-speed RAW TYPE COLS ROWS ERROR REPS [NODATA]
+const USAGE: &str = "usage: orograph-codec-speed RAW TYPE COLS ROWS SIDE ERROR REPS [NODATA]
     RAW     cells, row by row, little-endian
     TYPE    u8 i8 u16 i16 u32 i32 f32 f64
+    SIDE    of the tiles, in cells; `orograph info` tells that of an archive
     ERROR   greatest error in stored values; 0: lossless
     REPS    how often all tiles are encoded and decoded; medians are told";
-
-/// Side of the tiles: what `orograph encode` takes unless told otherwise.
-const TILE_SIDE: usize = 1024;
 
 fn main() -> ExitCode {
     match run() {
@@ -27,12 +25,13 @@ fn main() -> ExitCode {
 
 fn run() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (raw, name, cols, rows, error, reps, nodata) = match &arguments[..] {
-        [raw, name, cols, rows, error, reps] => (raw, name, cols, rows, error, reps, None),
-        [raw, name, cols, rows, error, reps, nodata] => (raw, name, cols, rows, error, reps, Some(nodata)),
+    let (raw, name, cols, rows, side, error, reps, nodata) = match &arguments[..] {
+        [raw, name, cols, rows, side, error, reps] => (raw, name, cols, rows, side, error, reps, None),
+        [raw, name, cols, rows, side, error, reps, nodata] => (raw, name, cols, rows, side, error, reps, Some(nodata)),
         _ => return Err(USAGE.into()),
     };
-    let (cols, rows, reps): (usize, usize, usize) = (cols.parse()?, rows.parse()?, reps.parse()?);
+    let (cols, rows, side, reps): (usize, usize, usize, usize) =
+        (cols.parse()?, rows.parse()?, side.parse()?, reps.parse()?);
     let sample = sample_of(name).ok_or(USAGE)?;
     let bound = match error.parse()? {
         0.0 => Bound::Lossless,
@@ -44,10 +43,10 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     };
     let rule = BandRule { sample, nodata, bound };
     let bytes = std::fs::read(raw)?;
-    if bytes.len() != cols * rows * sample.bytes() || bytes.is_empty() || reps == 0 {
-        return Err(format!("{raw} does not hold {cols} x {rows} cells, or REPS is 0").into());
+    if bytes.len() != cols * rows * sample.bytes() || bytes.is_empty() || side == 0 || reps == 0 {
+        return Err(format!("{raw} does not hold {cols} x {rows} cells, or SIDE or REPS is 0").into());
     }
-    let tiles = cut(&bytes, sample, cols, rows)?;
+    let tiles = cut(&bytes, sample, [cols, rows], side)?;
     drop(bytes);
 
     // The first tile once beforehand, so that nothing is timed that happens only once; in a fresh process its peak
@@ -97,12 +96,17 @@ fn sample_of(name: &str) -> Option<SampleType> {
 }
 
 /// The tiles of a raster, row by row.
-fn cut(bytes: &[u8], sample: SampleType, cols: usize, rows: usize) -> Result<Vec<(TileShape, Cells)>, String> {
+fn cut(
+    bytes: &[u8],
+    sample: SampleType,
+    [cols, rows]: [usize; 2],
+    side: usize,
+) -> Result<Vec<(TileShape, Cells)>, String> {
     let size = sample.bytes();
     let mut tiles = Vec::new();
-    for top in (0..rows).step_by(TILE_SIDE) {
-        for left in (0..cols).step_by(TILE_SIDE) {
-            let shape = TileShape { width: TILE_SIDE.min(cols - left), height: TILE_SIDE.min(rows - top) };
+    for top in (0..rows).step_by(side) {
+        for left in (0..cols).step_by(side) {
+            let shape = TileShape { width: side.min(cols - left), height: side.min(rows - top) };
             let lines = bytes.chunks_exact(cols * size).skip(top).take(shape.height);
             let part: Vec<u8> =
                 lines.flat_map(|line| &line[left * size..(left + shape.width) * size]).copied().collect();
