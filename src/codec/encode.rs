@@ -101,23 +101,14 @@ impl<'a, W: Word> Task<'a, W> {
         let serial = kinds.contains(&true);
         let still = self.still.map(|still| still.marks);
         let zones = Samples::gather(self.pass, self.original, self.cells, still, self.rule.step, serial, self.zones);
-        let all = zones.iter().map(Samples::len).sum::<usize>().max(1);
-        let count = self.original.width * self.original.height;
-        let found: Vec<_> =
-            zones.iter().map(|samples| self.zone_filters(samples, count * samples.len().max(1) / all, kinds)).collect();
+        let found: Vec<_> = zones.iter().map(|samples| self.zone_filters(samples, kinds)).collect();
         (0..kinds.len()).map(|kind| found.iter().map(|zone| zone[kind].clone()).collect()).collect()
     }
 
-    /// Filters of a zone of about so many cells: the best shipped ones, or fitted ones where they pay for themselves.
-    fn zone_filters(&self, samples: &Samples, count: usize, kinds: &[bool]) -> Vec<PassParams> {
-        let step = self.rule.step;
-        let fitted = if count < FIT_FROM { None } else { samples.filters(None) };
-        let steep = samples.steep();
-        let mixed = steep * 20 > samples.len() && (samples.len() - steep) * 20 > samples.len();
-        let by_class = match fitted {
-            Some(_) if count >= 4 * FIT_FROM && mixed => samples.filters(Some(0)).zip(samples.filters(Some(1))),
-            _ => None,
-        };
+    /// Filters of a zone: the best shipped ones, or fitted ones where they pay for themselves.
+    fn zone_filters(&self, samples: &Samples, kinds: &[bool]) -> Vec<PassParams> {
+        let (step, count) = (self.rule.step, samples.cells);
+        let fits = if count < FIT_FROM { None } else { samples.fit(count >= 4 * FIT_FROM) };
         let best = |&serial: &bool| {
             let mut best = PassParams::shipped(self.pass, serial, self.variant());
             best.filters = PassParams::shipped(self.pass, serial, 0).filters;
@@ -134,15 +125,14 @@ impl<'a, W: Word> Task<'a, W> {
                 }
             }
             let price = 8.0 * self.pass.tap_count() as f64;
-            if let Some(filters) = fitted {
-                let filter = filters[usize::from(serial)];
-                let found = samples.bits([&filter, &filter], step) * count as f64 + price;
-                if found < bits {
-                    (bits, best.filter_variant, best.filters) = (found, None, [filter; 2]);
-                }
+            let Some(fits) = &fits else { return best };
+            let filter = fits.all[usize::from(serial)];
+            let found = samples.bits([&filter, &filter], step) * count as f64 + price;
+            if found < bits {
+                (bits, best.filter_variant, best.filters) = (found, None, [filter; 2]);
             }
-            if let Some((flat, steep)) = by_class {
-                let (flat, steep) = (flat[usize::from(serial)], steep[usize::from(serial)]);
+            if let Some(filters) = &fits.by_class {
+                let [flat, steep] = filters.map(|filters| filters[usize::from(serial)]);
                 if samples.bits([&flat, &steep], step) * (count as f64) + 2.0 * price < bits {
                     (best.filter_variant, best.filters, best.classes) = (None, [flat, steep], 2);
                 }
@@ -210,25 +200,29 @@ impl<'a, W: Word> Task<'a, W> {
             Some(true) => &[true],
             None => &[false, true],
         };
-        let bands = Bands::of_cells(SAMPLED * self.zones().min(2), self.original.width, self.original.height);
+        let bands = Bands::of_cells(SAMPLED, self.original.width, self.original.height);
         let mut best: Option<Coded<'a, W>> = None;
         for params in self.filters(kinds) {
-            let coded = self.code_bands(params, bands);
+            let coded = self.run(params, bands);
+            // Of few cells both kinds get weights of their own, in many the kinds differ more than by those.
+            let coded = if bands == Bands::All { self.with_fitted_weights(coded, bands) } else { coded };
             // Serial passes take longer to decode: they have to be worth it.
             if best.as_ref().is_none_or(|best| coded.cost + coded.cost / 256 < best.cost) {
                 best = Some(coded);
             }
         }
-        match best {
-            Some(coded) if bands == Bands::All => coded,
-            Some(coded) => self.run(coded.params, Bands::All),
-            None => self.run(vec![PassParams::shipped(self.pass, false, 0); self.zones()], Bands::All),
+        let Some(best) = best else {
+            return self.run(vec![PassParams::shipped(self.pass, false, 0); self.zones()], Bands::All);
+        };
+        match bands {
+            Bands::All => best,
+            Bands::Sample(_) => self.run(self.with_fitted_weights(best, bands).params, Bands::All),
         }
     }
 
-    /// Codes a sample, with weights of errors that fit it where they are worth their bits there.
-    fn code_bands(&self, params: Vec<PassParams>, bands: Bands) -> Coded<'a, W> {
-        let first = self.run(params, bands);
+    /// What became of the pass, or of a sample of it, with weights of errors that fit it where they are worth their
+    /// bits.
+    fn with_fitted_weights(&self, first: Coded<'a, W>, bands: Bands) -> Coded<'a, W> {
         if self.original.width * self.original.height < 4 * FIT_FROM {
             return first;
         }

@@ -117,6 +117,18 @@ impl LevelZones<'_> {
         usize::from(self.zones.of[(row >> self.shift) * self.zones.across + (col >> self.shift)])
     }
 
+    /// Cells of each zone in a pass of so many columns and rows.
+    pub(super) fn cells(&self, width: usize, height: usize) -> Vec<usize> {
+        let mut cells = vec![0; self.count()];
+        let length =
+            |block: usize, all: usize| ((block + 1) << self.shift).min(all).saturating_sub(block << self.shift);
+        for (block, &zone) in self.zones.of.iter().enumerate() {
+            let (row, col) = (block / self.zones.across, block % self.zones.across);
+            cells[usize::from(zone)] += length(row, height) * length(col, width);
+        }
+        cells
+    }
+
     /// Whether the zones of a row are those of the row above it.
     pub(super) fn is_as_above(&self, row: usize) -> bool {
         row & ((1 << self.shift) - 1) != 0
