@@ -93,7 +93,7 @@ impl<W: Word> Ground<'_, W> {
     /// One of so many cells of a zone, the flat class and the steep one.
     fn gather(&self, zone: usize, zones: Option<LevelZones<'_>>, stride: usize) -> [Vec<Sample>; 2] {
         let (width, height) = (self.original.width, self.original.height);
-        let mut samples: [Vec<Sample>; 2] = Default::default();
+        let mut samples = [0, 1].map(|_| Vec::with_capacity(self.original.width * self.original.height / stride / 2));
         // Whole runs of cells in some rows: a stride that shares no factor with the width would be slower to read.
         let (row_stride, col_stride) = match stride {
             0..3 => (1, stride),
