@@ -3,7 +3,7 @@
 use super::container_text::size_text;
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions, named_oro};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, named_oro, unit_of};
 use super::sparse::{PatchOptions, StoredInput};
 use crate::error::{Error, Result};
 use crate::pipeline::archive::Target;
@@ -47,6 +47,7 @@ impl Learn {
         let job = LearnJob {
             exemplars: exemplars.to_vec(),
             raster: self.raster.meant()?,
+            unit: unit_of(self.raster.vertical_unit.as_deref())?,
             model: self.patches.meant(),
             constrained: self.constrained,
             memory: self.memory.bytes()?,

@@ -114,6 +114,33 @@ fn dictionaries_are_learned_and_used() {
 }
 
 #[test]
+fn units_do_not_weigh() {
+    let dir = folder();
+    let (cols, rows) = (90, 70);
+    let metres = terrain(cols, rows).into_iter().map(|v| (v * 1250.0) as f32);
+    let other: Vec<f32> = terrain(rows, cols).into_iter().map(|v| (v * 3e3) as f32).collect();
+    let [m, dm, plain, other_m] = ["m.tif", "dm.oro", "plain.tif", "other.tif"].map(|name| inside(&dir, name));
+    let cells: Vec<f32> = metres.collect();
+    let tenfold: Vec<f32> = cells.iter().map(|v| v * 10.0).collect();
+    Raster::new((cols, rows), vec![cells]).write(&m);
+    Raster::new((cols, rows), vec![tenfold]).write(&plain);
+    Run::done(&["encode", &plain, &dm, "--lossless", "--vertical-unit", "dm"]);
+    Raster::new((rows, cols), vec![other]).write(&other_m);
+    let unexplained = |first: &str| {
+        let told =
+            Run::done(&["learn", first, &other_m, &inside(&dir, "a.oro"), "--atoms", "6", "--overwrite", "--json"]);
+        told.json()["result"]["unexplained"][0].as_f64().expect("a number")
+    };
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-3;
+    assert!(near(unexplained(&dm), unexplained(&m)), "as declared");
+    assert!(!near(unexplained(&plain), unexplained(&m)), "without a unit relief is ten times as high");
+    let forced =
+        Run::done(&["learn", &plain, &inside(&dir, "b.oro"), "--atoms", "6", "--vertical-unit", "dm", "--json"]);
+    assert!(forced.json()["result"]["unexplained"].is_array());
+    Run::new(&["learn", &m, &inside(&dir, "c.oro"), "--vertical-unit", "ell"]).expect(2, "'ell' is not a known unit");
+}
+
+#[test]
 fn flat_and_void_rasters() {
     let dir = folder();
     let [path, oro, back] = ["flat.tif", "flat.oro", "back.tif"].map(|name| inside(&dir, name));

@@ -14,6 +14,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::grid::SampleType;
 use crate::io::raster::stored::StoredOptions;
 use crate::oro::{self, Description, Found, Summary, Writer, encode_patch_chunk};
+use crate::units::LengthUnit;
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -30,6 +31,8 @@ pub struct LearnJob {
     pub exemplars: Vec<PathBuf>,
     /// What to read of each: one band.
     pub raster: StoredOptions,
+    /// Unit of the values; replaces a declared one.
+    pub unit: Option<LengthUnit>,
     /// How many atoms of which size, and how long to learn.
     pub model: ModelOptions,
     /// Whether atoms have to be patches as they are found in the exemplars.
@@ -64,7 +67,8 @@ pub fn run(job: &LearnJob, target: Target<'_>, watch: &Watch, warn: &mut dyn FnM
     let mut samples = vec![];
     let mut cells_m: Option<f64> = None;
     for path in &job.exemplars {
-        let band = Band::read(path, &job.raster, job.memory, watch)?;
+        let mut band = Band::read(path, &job.raster, job.memory, watch)?;
+        to_metres(&mut band, job.unit.as_ref());
         band.notes.iter().for_each(|note| warn(note));
         let found = patches_of(&band, &job.model).map_err(|error| error.at_path(path))?;
         if found.is_empty() {
@@ -99,6 +103,15 @@ pub fn run(job: &LearnJob, target: Target<'_>, watch: &Watch, warn: &mut dyn FnM
         summary,
         time: begun.elapsed(),
     })
+}
+
+/// Brings values to metres, so that exemplars in feet count for no more than others.
+fn to_metres(band: &mut Band, unit: Option<&LengthUnit>) {
+    let declared = || band.record.bands.first().and_then(|record| LengthUnit::from_name(&record.unit));
+    let metres = unit.cloned().or_else(declared).map_or(1.0, |unit| unit.metres);
+    if metres != 1.0 {
+        band.values.iter_mut().for_each(|value| *value = (f64::from(*value) * metres) as f32);
+    }
 }
 
 fn patches_of(band: &Band, model: &ModelOptions) -> Result<Samples> {

@@ -70,6 +70,16 @@ fn containers() -> Result<Inputs> {
         // Small tiles, so many that there is an overview.
         files.push(container(64 * 17 + number, 1 + number % 2, &rules[..1], ground)?);
     }
+    // What conformance vectors show: zones, copies, patches, dictionaries, and everything that must be refused.
+    for kind in ["accept", "reject"] {
+        let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../format-spec/vectors").join(kind);
+        let mut paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "oro"));
+        paths.sort();
+        for path in paths {
+            files.push(std::fs::read(path)?);
+        }
+    }
     Ok(files)
 }
 
