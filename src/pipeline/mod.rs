@@ -10,6 +10,7 @@ mod names;
 mod overlay;
 pub mod peaks;
 mod regions;
+pub mod scene;
 pub mod sparse;
 mod spikes;
 pub mod stats;

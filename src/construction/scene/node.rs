@@ -27,6 +27,11 @@ pub(super) struct Reader<'a> {
     /// Names that are being made, outermost first.
     open: Vec<String>,
     depth: usize,
+    /// Nodes with their places in the document, in the order in which they were made; a node that is made of another
+    /// may come twice.
+    pub(super) places: Vec<(NodeId, String)>,
+    /// What a user should know of how nodes were made.
+    pub(super) notes: Vec<String>,
 }
 
 /// Members that a node may have; it has exactly one.
@@ -38,7 +43,7 @@ impl<'a> Reader<'a> {
         let members = nodes.map_or(Ok(vec![]), |nodes| nodes.members())?;
         let names = members.iter().map(|(name, _)| name.clone()).collect();
         let named = members.into_iter().map(|(name, value)| (name, (value, Progress::Unused))).collect();
-        Ok(Self { sources, origin, names, named, open: vec![], depth: 0 })
+        Ok(Self { sources, origin, names, named, open: vec![], depth: 0, places: vec![], notes: vec![] })
     }
 
     /// Named nodes that nothing referred to, in the file's order.
@@ -65,7 +70,15 @@ impl<'a> Reader<'a> {
             return Err(value
                 .fault(format!("a node is an object with one member, one of {}; found {names:?}", KINDS.join(", "))));
         };
-        match kind.as_str() {
+        let id = self.of_kind(builder, value, kind, body)?;
+        if kind != "ref" {
+            self.places.push((id, body.place()));
+        }
+        Ok(id)
+    }
+
+    fn of_kind(&mut self, builder: &mut Builder, value: &Value<'a>, kind: &str, body: &Value<'a>) -> Result<NodeId> {
+        match kind {
             "disc" => self.disc(builder, body),
             "curve" => self.curve(builder, body),
             "contour" => self.contour(builder, body),

@@ -6,11 +6,10 @@ use super::lines::{LineSource, read_lines};
 use super::place::Placed;
 use super::write::{MeshFormat, Provenance, Target};
 use crate::error::{Error, ErrorKind, Result};
-use crate::grid::{Elevations, GeoTransform, Key};
+use crate::grid::GeoTransform;
 use crate::io::raster::{Dem, RasterOptions, RasterSource};
 use crate::tin::{Breaklines, Heights, Mesh, RefineOptions, refine, regular};
 use crate::watch::Watch;
-use crate::with_grid;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -186,14 +185,7 @@ fn warn_of_input(dem: &Dem, warn: &mut dyn FnMut(&str)) {
 /// The elevations of a DEM, whose cells are given up for them.
 fn heights_of(dem: Dem) -> Result<Heights> {
     let (rows, cols) = (dem.grid.rows(), dem.grid.cols());
-    let z_m = with_grid!(&dem.grid, grid => metres(grid.cells(), &dem.elevations));
-    Heights::new(rows, cols, z_m)
-}
-
-/// Elevations in metres; NaN for voids.
-fn metres<K: Key>(cells: &[K], elevations: &Elevations) -> Vec<f64> {
-    let metres = |key: &K| if *key == K::VOID { f64::NAN } else { elevations.elevation_m(key.to_i64()) };
-    cells.iter().map(metres).collect()
+    Heights::new(rows, cols, dem.heights_m())
 }
 
 /// Makes coordinates of columns and rows.

@@ -162,6 +162,9 @@ impl Samples {
     fn cell(&self, interpolation: Interpolation, row: usize, col: usize) -> Found {
         let corners = |at: &dyn Fn(usize, usize) -> f64| [0, 1].map(|i| [0, 1].map(|j| at(row + i, col + j)));
         let weight = net(&corners(&|row, col| self.weight(row, col)).map(|line| line.to_vec()), 1.0);
+        if weight.0.max <= 0.0 {
+            return Found::NOTHING;
+        }
         let height = match interpolation {
             Interpolation::Bilinear => net(&corners(&|row, col| self.height(row, col)).map(|line| line.to_vec()), 1.0),
             Interpolation::Bicubic => {

@@ -24,6 +24,16 @@ pub(super) struct Statistics {
 }
 
 impl Found {
+    /// A cell whose weight is 0: heights there matter to nobody.
+    pub(super) const NOTHING: Self = Self {
+        height: Interval { min: f64::INFINITY, max: f64::NEG_INFINITY },
+        dx: 0.0,
+        dy: 0.0,
+        weight: Interval::ZERO,
+        weight_dx: 0.0,
+        weight_dy: 0.0,
+    };
+
     fn join(self, other: Self) -> Self {
         Self {
             height: self.height.hull(other.height),

@@ -1,0 +1,11 @@
+//! The jobs behind `orograph scene`: construction trees from JSON, with the files that they name.
+
+pub mod check;
+pub mod eval;
+mod files;
+mod places;
+mod read;
+mod resample;
+
+pub use places::{CellOptions, SceneCells};
+pub use read::{DetailOption, SceneFile};
