@@ -10,6 +10,7 @@ mod bounds;
 mod literal;
 mod primitives;
 mod scene;
+mod sparse;
 mod spec;
 mod strategy;
 

@@ -3,7 +3,7 @@
 #[path = "../schema/mod.rs"]
 mod schema;
 
-use orograph::construction::scene::{Line, LineQuery, RasterQuery, Scene, Sources};
+use orograph::construction::scene::{Line, LineQuery, RasterQuery, Scene, Sources, SparseSource};
 use orograph::construction::{Area, Lattice};
 use orograph::error::{Error, ErrorKind, Result};
 use orograph::grid::{GeoTransform, HeightRows, Heights};
@@ -35,6 +35,10 @@ impl Sources for Files {
         }
         let shares = (0..heights.rows() * heights.cols()).map(|i| if i % 20 < 10 { 1.0 } else { 0.25 }).collect();
         Ok(Arc::new(HeightRows::new(heights.cols(), shares, None)))
+    }
+
+    fn sparse(&self, path: &str) -> Result<SparseSource> {
+        Err(Error::new(ErrorKind::Input, "no such file").at_path(path))
     }
 
     fn lines(&self, query: &LineQuery<'_>) -> Result<Vec<Line>> {

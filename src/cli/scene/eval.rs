@@ -17,7 +17,7 @@ use std::path::PathBuf;
 /// strip, so it may be larger than memory; the scene's own rasters are kept in memory.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  orograph scene eval fixtures/scenes/valley.json valley.tif\n  \
-                        orograph scene eval fixtures/scenes/valley.json part.tif --resolution 10m --bbox 738000,4044000,742000,4048000\n  \
+                        orograph scene eval fixtures/scenes/craters.json part.tif --resolution 5m --bbox 0,0,900,900\n  \
                         orograph scene eval fixtures/scenes/ranges.json coarse.tif --resolution 50m --detail 0.3")]
 pub(super) struct Eval {
     /// Scene: a JSON file.

@@ -2,6 +2,7 @@
 
 mod check;
 mod eval;
+mod mesh;
 
 use super::execute;
 use super::shared::CommonOptions;
@@ -27,6 +28,7 @@ pub(super) struct Scene {
 enum Verb {
     Check(check::Check),
     Eval(Box<eval::Eval>),
+    Mesh(Box<mesh::Mesh>),
 }
 
 impl Scene {
@@ -35,6 +37,7 @@ impl Scene {
         match &self.verb {
             Verb::Check(verb) => execute("scene check", &verb.common, |reporter| verb.run(reporter)),
             Verb::Eval(verb) => execute("scene eval", &verb.common, |reporter| verb.run(reporter)),
+            Verb::Mesh(verb) => execute("scene mesh", &verb.common, |reporter| verb.run(reporter)),
         }
     }
 }
@@ -47,7 +50,7 @@ struct CellArguments {
     #[arg(long, value_name = "LENGTH")]
     resolution: Option<String>,
     /// The part that is wanted, in the scene's CRS: edges of cells; all of the scene unless given, with edges at whole
-    /// multiples of the resolution.
+    /// multiples of the resolution, or those of the finest raster's cells.
     #[arg(long, value_name = "XMIN,YMIN,XMAX,YMAX", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     bbox: Option<Vec<f64>>,
     /// Take the cells of a raster, which lies in the scene's CRS.
@@ -61,6 +64,26 @@ impl CellArguments {
         let resolution_m = resolution.map_err(|error| super::wrong_value("--resolution", &error))?;
         Ok(CellOptions { resolution_m, bbox: box_of(self.bbox.as_deref())?, like: self.like.clone() })
     }
+}
+
+impl CellArguments {
+    /// The options as words of a command, those that were given.
+    fn words(&self) -> Vec<String> {
+        let mut words = vec![];
+        let mut put = |option: &str, value: Option<String>| {
+            if let Some(value) = value {
+                words.extend([option.to_string(), value]);
+            }
+        };
+        put("--resolution", self.resolution.clone());
+        put("--bbox", self.bbox.as_deref().map(list));
+        put("--like", self.like.as_ref().map(|path| path.display().to_string()));
+        words
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
 /// What --bbox means.
@@ -86,6 +109,13 @@ struct DetailArguments {
 }
 
 impl DetailArguments {
+    /// The options as words of a command, those that were given.
+    fn words(&self) -> Vec<String> {
+        let constant = self.detail.map(|level| ["--detail".to_string(), level.to_string()]);
+        let around = self.detail_around.as_deref().map(|numbers| ["--detail-around".to_string(), list(numbers)]);
+        constant.into_iter().chain(around).flatten().collect()
+    }
+
     fn meant(&self) -> Result<Option<DetailOption>> {
         if let Some(level) = self.detail {
             if !(0.0..=1.0).contains(&level) {
@@ -99,8 +129,7 @@ impl DetailArguments {
                 Ok(Some(DetailOption::Around { centre: [x, y], near_m, far_m }))
             }
             _ => {
-                let given: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-                let given = given.join(",");
+                let given = list(numbers);
                 Err(Error::usage(format!("--detail-around {given}: expected X,Y,NEAR,FAR with NEAR less than FAR")))
             }
         }

@@ -5,7 +5,7 @@ use super::node::Reader;
 use super::sources::RasterQuery;
 use crate::construction::area::Area;
 use crate::construction::operator::Affine;
-use crate::construction::primitive::{Image, Interpolation, Mapping, Samples, Skeleton};
+use crate::construction::primitive::{Image, Interpolation, Mapping, Samples, Skeleton, Sparse};
 use crate::construction::tree::{Builder, NodeId};
 use crate::error::Result;
 use crate::grid::Heights;
@@ -71,6 +71,21 @@ impl<'a> Reader<'a> {
         }
         let [x, y] = self.origin;
         bounding_box(value).map(|[x0, y0, x1, y1]| [x0 + x, y0 + y, x1 + x, y1 + y])
+    }
+
+    /// A terrain of sparse primitives, where the cells of its file lie.
+    pub(super) fn sparse(&mut self, builder: &mut Builder, body: &Value<'a>) -> Result<NodeId> {
+        let parts = body.object(&["terrain", "z_scale", "z_shift_m"])?;
+        let path = parts.need("terrain")?;
+        let found = self.sources.sparse(path.text()?).map_err(|e| path.blame(&e))?;
+        let t = found.places.0;
+        let corner = [t[0] - self.origin[0], t[3] - self.origin[1]];
+        let (z_scale, z_shift_m) = (parts.number_or("z_scale", 1.0)?, parts.number_or("z_shift_m", 0.0)?);
+        let lift = (found.scale_m * z_scale, found.offset_m * z_scale + z_shift_m);
+        let affine = Affine::new([[t[1], t[2]], [t[4], t[5]]], corner, lift.0, lift.1).map_err(|e| body.blame(&e))?;
+        let id = Sparse::new(found.terrain).and_then(|sparse| builder.leaf(sparse)).map_err(|e| body.blame(&e))?;
+        self.places.push((id, body.place()));
+        builder.place(id, affine).map_err(|e| body.blame(&e))
     }
 
     /// Where an image lies, and how a unit box is placed for rasters that do not lie along the axes.

@@ -13,7 +13,7 @@ mod leaf;
 mod node;
 mod sources;
 
-pub use sources::{Line, LineQuery, RasterQuery, Sources};
+pub use sources::{Line, LineQuery, RasterQuery, Sources, SparseSource};
 
 use super::detail::Detail;
 use super::tree::{Builder, NodeId, Tree};

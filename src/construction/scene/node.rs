@@ -35,8 +35,9 @@ pub(super) struct Reader<'a> {
 }
 
 /// Members that a node may have; it has exactly one.
-const KINDS: [&str; 12] =
-    ["disc", "curve", "contour", "image", "blend", "replace", "add", "place", "bend", "level", "weigh", "ref"];
+const KINDS: [&str; 13] = [
+    "disc", "curve", "contour", "image", "sparse", "blend", "replace", "add", "place", "bend", "level", "weigh", "ref",
+];
 
 impl<'a> Reader<'a> {
     pub(super) fn new(sources: &'a dyn Sources, origin: [f64; 2], nodes: Option<Value<'a>>) -> Result<Self> {
@@ -83,6 +84,7 @@ impl<'a> Reader<'a> {
             "curve" => self.curve(builder, body),
             "contour" => self.contour(builder, body),
             "image" => self.image(builder, body),
+            "sparse" => self.sparse(builder, body),
             "ref" => self.named(builder, body),
             "blend" => {
                 let mut children = vec![];
@@ -192,6 +194,9 @@ fn placement(parts: &super::fields::Object<'_>, body: &Value<'_>) -> Result<Affi
 
 /// The deformation of a `bend`.
 fn bending(parts: &super::fields::Object<'_>, body: &Value<'_>) -> Result<Deformation> {
+    if ["noise", "drag", "twist"].iter().filter(|name| parts.get(name).is_some()).count() > 1 {
+        return Err(body.fault("a bend has one of noise, drag and twist; put one into another"));
+    }
     if let Some(noise) = parts.get("noise") {
         let spectrum = super::leaf::spectrum(&noise.object(&super::leaf::SPECTRUM)?)?;
         return Deformation::noise(spectrum).map_err(|e| noise.blame(&e));

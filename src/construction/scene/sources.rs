@@ -1,7 +1,8 @@
-//! Where scenes get rasters and lines from.
+//! Where scenes get rasters, lines and sparse terrains from.
 
+use crate::dictionary::SparseTerrain;
 use crate::error::Result;
-use crate::grid::Heights;
+use crate::grid::{GeoTransform, Heights};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -58,4 +59,23 @@ pub trait Sources {
     /// # Errors
     /// Where the file is missing or has no such layer.
     fn lines(&self, query: &LineQuery<'_>) -> Result<Vec<Line>>;
+
+    /// A terrain of sparse primitives, and where its cells lie in the scene's CRS.
+    ///
+    /// # Errors
+    /// Where the file is missing or holds no such terrain.
+    fn sparse(&self, path: &str) -> Result<SparseSource>;
+}
+
+/// A terrain of sparse primitives from a file.
+#[derive(Clone, Debug)]
+pub struct SparseSource {
+    /// The terrain, in the file's own values.
+    pub terrain: SparseTerrain,
+    /// From its columns and rows to the scene's CRS.
+    pub places: GeoTransform,
+    /// Metres are the file's values times this,
+    pub scale_m: f64,
+    /// plus this.
+    pub offset_m: f64,
 }

@@ -148,7 +148,8 @@ pub fn run(job: &CheckJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<
     findings.sort_by_key(|finding| !finding.remark.is_fault());
 
     let mut kinds: BTreeMap<String, usize> = BTreeMap::new();
-    for place in places.values() {
+    // A raster that is turned, or a terrain of discs, is a primitive in a warp at one place.
+    for place in places.values().collect::<BTreeSet<_>>() {
         *kinds.entry(kind_of(place).to_string()).or_default() += 1;
     }
     let primitives = in_use.iter().filter(|&&id| tree.is_primitive(id)).count();

@@ -1,11 +1,13 @@
 //! The files that a scene names, in the scene's CRS.
 
 use super::resample::{CellPlaces, Cells, Kernel, cover, resample, same_in_effect};
-use crate::construction::scene::{Line, LineQuery, RasterQuery, Sources};
+use super::sparse;
+use crate::construction::scene::{Line, LineQuery, RasterQuery, Sources, SparseSource};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{GeoTransform, HeightRows, Heights};
 use crate::io::lines::read_lines;
+use crate::io::raster::stored::Record;
 use crate::io::raster::{RasterOptions, RasterSource, parse_crs};
 use crate::io::transform::Reprojection;
 use crate::pipeline::archive::{is_container, open_dem};
@@ -43,10 +45,31 @@ pub(super) struct Known {
     pub(super) inputs: Vec<PathBuf>,
     /// What a user should know of how they were read.
     pub(super) notes: Vec<String>,
-    /// The narrowest side of a cell of the rasters that lie where they say, in metres.
-    pub(super) finest_m: Option<f64>,
+    /// The finest of the rasters that lie where they say.
+    pub(super) finest: Option<Cell>,
     /// Bytes that images of them keep.
     kept_bytes: u64,
+}
+
+/// A cell of a raster.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Its narrower side in metres.
+    pub side_m: f64,
+    /// A corner of one, in the scene's CRS.
+    pub corner: [f64; 2],
+}
+
+impl Known {
+    /// Keeps the finer one of what is known and a raster's cells.
+    fn refine(&mut self, transform: &GeoTransform) {
+        let t = &transform.0;
+        let side = |x: f64, y: f64| (x * x + y * y).sqrt();
+        let cell = Cell { side_m: side(t[1], t[4]).min(side(t[2], t[5])), corner: [t[0], t[3]] };
+        if self.finest.is_none_or(|finest| cell.side_m < finest.side_m) {
+            self.finest = Some(cell);
+        }
+    }
 }
 
 impl<'a> Files<'a> {
@@ -210,11 +233,7 @@ impl Sources for Files<'_> {
             }
             _ => (places, values),
         };
-        let t = &places.transform.0;
-        let side = |x: f64, y: f64| (x * x + y * y).sqrt();
-        let cell = side(t[1], t[4]).min(side(t[2], t[5]));
-        let known = &mut self.known.borrow_mut();
-        known.finest_m = Some(known.finest_m.map_or(cell, |finest| finest.min(cell)));
+        self.known.borrow_mut().refine(&places.transform);
         Ok(Arc::new(HeightRows::new(places.cols, values, Some(places.transform))))
     }
 
@@ -243,6 +262,47 @@ impl Sources for Files<'_> {
         let way = way.as_ref().map(|(scene, own)| (scene, own));
         let values = resample(&cells, &places, way, Kernel::Linear, self.watch)?;
         Ok(Arc::new(HeightRows::new(places.cols, values, Some(transform))))
+    }
+
+    fn sparse(&self, path: &str) -> Result<SparseSource> {
+        let path = self.resolve(path);
+        let source = sparse::open(&path)?;
+        self.opened(&path);
+        let at = |error: Error| error.at_path(&path);
+        let Record { width, height, bands, transform, crs, .. } = &source.record;
+        let Some(transform) = *transform else {
+            return Err(at(Error::new(ErrorKind::Input, "it does not say where its cells are")));
+        };
+        let places = CellPlaces { rows: *height, cols: *width, transform };
+        if let Some(wkt) = crs {
+            let own = parse_crs(wkt).map_err(at)?;
+            let middle = transform.centre(*height as f64 / 2.0, *width as f64 / 2.0);
+            let scene = self.adopt(&own, Some(middle)).map_err(at)?;
+            if !same_in_effect(&places, &own, &scene).map_err(at)? {
+                let message = format!(
+                    "its CRS is {}, and the scene's is {}; discs are not resampled: give it to an image, as its heights",
+                    own.label(),
+                    scene.label()
+                );
+                return Err(at(Error::new(ErrorKind::Unsupported, message)));
+            }
+        }
+        // A container has at least one band.
+        let band = &bands[0];
+        let unit = match band.unit.trim() {
+            "" => LengthUnit::metre(),
+            name => LengthUnit::from_name(name).ok_or_else(|| {
+                at(Error::new(ErrorKind::Unsupported, format!("its unit '{name}' is not a length that is known")))
+            })?,
+        };
+        let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+        self.known.borrow_mut().refine(&transform);
+        Ok(SparseSource {
+            terrain: sparse::read(&source)?,
+            places: transform,
+            scale_m: scale * unit.metres,
+            offset_m: offset * unit.metres,
+        })
     }
 
     fn lines(&self, query: &LineQuery<'_>) -> Result<Vec<Line>> {

@@ -3,9 +3,12 @@
 pub mod check;
 pub mod eval;
 mod files;
+pub mod mesh;
 mod places;
 mod read;
 mod resample;
+mod sparse;
 
+pub use files::Cell;
 pub use places::{CellOptions, SceneCells};
 pub use read::{DetailOption, SceneFile};

@@ -17,7 +17,7 @@ const LONGEST: f64 = 1e9;
 /// Which cells are wanted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellOptions {
-    /// Side of a cell in metres; that of the finest raster of the scene unless given.
+    /// Side of a cell in metres; that of the finest raster of the scene unless given, on its cells.
     pub resolution_m: Option<f64>,
     /// Least x, least y, greatest x, greatest y in the scene's CRS; where the scene is unless given.
     pub bbox: Option<[f64; 4]>,
@@ -45,7 +45,7 @@ impl SceneCells {
         if let Some(like) = &options.like {
             return Self::like(file, tree, &open_dem(like, &RasterOptions::default(), None, watch)?);
         }
-        let Some(cell_m) = options.resolution_m.or(file.finest_m) else {
+        let Some(cell_m) = options.resolution_m.or(file.finest.map(|cell| cell.side_m)) else {
             let message =
                 "how large are the cells to be? The scene has no raster to take it from: give --resolution (10m)";
             return Err(Error::usage(message).at_path(&file.path));
@@ -72,10 +72,20 @@ impl SceneCells {
                     let message = "the scene is endless: say with --bbox what part of it is wanted";
                     return Err(Error::usage(message).at_path(&file.path));
                 }
-                // A cell more or less by rounding would be one without terrain.
-                let low = |v: f64, o: f64| ((v + o) / cell_m + 1e-9).floor() * cell_m;
-                let high = |v: f64, o: f64| ((v + o) / cell_m - 1e-9).ceil() * cell_m;
-                [low(ends[0], origin[0]), low(ends[1], origin[1]), high(ends[2], origin[0]), high(ends[3], origin[1])]
+                // On the raster's own cells where these are wanted: what is not edited stays as it was.
+                let own = file.finest.filter(|_| options.resolution_m.is_none());
+                let corner = own.map_or([0.0; 2], |cell| cell.corner);
+                // A cell more by rounding would be one without terrain.
+                let slack = |v: f64| v.abs() * 4e-12 / cell_m + 1e-9;
+                let low = |v: f64, k: usize| {
+                    let v = v + origin[k];
+                    ((v - corner[k]) / cell_m + slack(v)).floor() * cell_m + corner[k]
+                };
+                let high = |v: f64, k: usize| {
+                    let v = v + origin[k];
+                    ((v - corner[k]) / cell_m - slack(v)).ceil() * cell_m + corner[k]
+                };
+                [low(ends[0], 0), low(ends[1], 1), high(ends[2], 0), high(ends[3], 1)]
             }
         };
         let (cols, rows) = (((x1 - x0) / cell_m).round().max(1.0), ((y1 - y0) / cell_m).round().max(1.0));

@@ -1,6 +1,6 @@
 //! A scene with what became known while its files were opened.
 
-use super::files::Files;
+use super::files::{Cell, Files};
 use crate::construction::scene::{Document, Scene};
 use crate::construction::{Detail, Tree};
 use crate::crs::Crs;
@@ -21,8 +21,8 @@ pub struct SceneFile {
     pub inputs: Vec<PathBuf>,
     /// What a user should know of how it was read.
     pub notes: Vec<String>,
-    /// The narrowest side of a cell of its rasters, in metres.
-    pub finest_m: Option<f64>,
+    /// A cell of the finest of its rasters.
+    pub finest: Option<Cell>,
 }
 
 /// Where the level of detail comes from, if not from the scene.
@@ -61,14 +61,7 @@ impl SceneFile {
         let scene = document.scene(&files).map_err(|error| if is_own(&error) { at(error) } else { error })?;
         let known = files.into_known();
         let notes = known.notes.into_iter().chain(scene.notes.iter().cloned()).collect();
-        Ok(Self {
-            path: path.to_path_buf(),
-            scene,
-            crs: known.crs,
-            inputs: known.inputs,
-            notes,
-            finest_m: known.finest_m,
-        })
+        Ok(Self { path: path.to_path_buf(), scene, crs: known.crs, inputs: known.inputs, notes, finest: known.finest })
     }
 
     /// The tree of a layer, or the terrain's, with the level of detail that is asked for.

@@ -230,7 +230,8 @@ mod tests {
             let finer = CellPlaces { rows: 10, cols: 17, transform: GeoTransform([107.5, 5.0, 0.0, 192.5, 0.0, -5.0]) };
             let found = resample(&cells, &finer, None, kernel, &Watch::default()).unwrap();
             let expected = plane(10, 17, finer.transform, [0.5, -2.0]);
-            let inner = |i: usize| (2..8).contains(&(i / 17)) && (2..15).contains(&(i % 17));
+            // Beyond, splines lean on samples that repeat.
+            let inner = |i: usize| (2..8).contains(&(i / 17)) && (2..14).contains(&(i % 17));
             for i in (0..found.len()).filter(|&i| inner(i)) {
                 assert!((found[i] - expected[i]).abs() < 1e-9, "{kernel:?} {i}: {} {}", found[i], expected[i]);
             }

@@ -1,8 +1,8 @@
 //! Images: rasters of heights as features.
 
+mod found;
 mod mapping;
 mod samples;
-mod statistics;
 
 pub use mapping::Mapping;
 pub use samples::{Interpolation, Samples};

@@ -1,6 +1,7 @@
 //! Samples of an image, and what lies between them.
 
-use super::statistics::{Found, Statistics};
+use super::found::{BLOCK, Found};
+use crate::construction::primitive::pyramid::Pyramid;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::Heights;
 use crate::interval::Interval;
@@ -32,7 +33,8 @@ pub struct Samples {
     heights_m: Cells,
     /// Weights where not all are 1.
     weights: Option<Vec<f32>>,
-    statistics: Statistics,
+    /// Bounds of blocks of cells, once they are measured.
+    blocks: Option<Pyramid<Found>>,
 }
 
 impl Samples {
@@ -90,7 +92,7 @@ impl Samples {
         let heights_m =
             if single { Cells::Single(values.iter().map(|&v| v as f32).collect()) } else { Cells::Double(values) };
         let weights = shares.iter().any(|&share| share != 1.0).then_some(shares);
-        Ok(Self { rows, cols, heights_m, weights, statistics: Statistics::default() })
+        Ok(Self { rows, cols, heights_m, weights, blocks: None })
     }
 
     pub(super) fn rows(&self) -> usize {
@@ -103,7 +105,8 @@ impl Samples {
 
     /// With bounds of all cells for an interpolation.
     pub(super) fn measured(mut self, interpolation: Interpolation) -> Self {
-        self.statistics = Statistics::new(self.rows - 1, self.cols - 1, |row, col| self.cell(interpolation, row, col));
+        let cell = |row, col| self.cell(interpolation, row, col);
+        self.blocks = Some(Pyramid::new(self.rows - 1, self.cols - 1, BLOCK, cell));
         self
     }
 
@@ -112,7 +115,7 @@ impl Samples {
         let cell = |at: f64, count: usize| (at.floor().max(0.0) as usize).min(count - 2);
         let (rows, cols) =
             ((cell(r.min, self.rows), cell(r.max, self.rows)), (cell(c.min, self.cols), cell(c.max, self.cols)));
-        self.statistics.over(rows, cols)
+        self.blocks.as_ref().map_or(Found::NOTHING, |blocks| blocks.over(rows, cols, BLOCK))
     }
 
     #[inline(always)]
@@ -190,7 +193,9 @@ impl Samples {
             Cells::Single(cells) => size_of_val(&cells[..]),
             Cells::Double(cells) => size_of_val(&cells[..]),
         };
-        cells + self.weights.as_ref().map_or(0, |w| size_of_val(&w[..])) + self.statistics.bytes()
+        cells
+            + self.weights.as_ref().map_or(0, |w| size_of_val(&w[..]))
+            + self.blocks.as_ref().map_or(0, Pyramid::bytes)
     }
 }
 
