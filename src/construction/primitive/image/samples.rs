@@ -1,6 +1,6 @@
 //! Samples of an image, and what lies between them.
 
-use super::statistics::{Found, Statistics};
+use super::statistics::{Found, Statistics, join};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::Heights;
 use crate::interval::Interval;
@@ -16,6 +16,9 @@ pub enum Interpolation {
     /// the outermost samples repeat.
     Bicubic,
 }
+
+/// So few cells are asked themselves for their bounds; the statistics know blocks of cells only.
+const FEW: usize = 9;
 
 /// Heights in the least memory that keeps them exactly.
 #[derive(Clone, Debug)]
@@ -108,10 +111,13 @@ impl Samples {
     }
 
     /// Bounds over ranges of columns and rows.
-    pub(super) fn over(&self, c: Interval, r: Interval) -> Found {
+    pub(super) fn over(&self, interpolation: Interpolation, c: Interval, r: Interval) -> Found {
         let cell = |at: f64, count: usize| (at.floor().max(0.0) as usize).min(count - 2);
         let (rows, cols) =
             ((cell(r.min, self.rows), cell(r.max, self.rows)), (cell(c.min, self.cols), cell(c.max, self.cols)));
+        if (rows.1 - rows.0 + 1) * (cols.1 - cols.0 + 1) <= FEW {
+            return join(rows, cols, |row, col| self.cell(interpolation, row, col));
+        }
         self.statistics.over(rows, cols)
     }
 

@@ -37,7 +37,7 @@ impl Found {
 }
 
 /// Joins what `at` says of rows and columns, ends included.
-fn join(rows: (usize, usize), cols: (usize, usize), mut at: impl FnMut(usize, usize) -> Found) -> Found {
+pub(super) fn join(rows: (usize, usize), cols: (usize, usize), mut at: impl FnMut(usize, usize) -> Found) -> Found {
     let mut all = at(rows.0, cols.0);
     for row in rows.0..=rows.1 {
         for col in cols.0..=cols.1 {
