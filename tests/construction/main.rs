@@ -12,6 +12,7 @@ mod primitives;
 mod scene;
 mod spec;
 mod strategy;
+mod trace;
 
 /// How many trees a property looks at, unless `PROPTEST_CASES` says it.
 fn cases(usual: u32) -> proptest::test_runner::Config {
