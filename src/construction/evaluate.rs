@@ -180,6 +180,34 @@ impl Default for Places {
     }
 }
 
+/// Evaluates points that lie anywhere, a block at a time.
+#[derive(Default)]
+pub(super) struct Scattered {
+    work: Work,
+}
+
+impl Scattered {
+    /// What the tree is at up to [`WIDTH`] points of the plan's region; gradients are there if the plan has them.
+    pub(super) fn run(&mut self, plan: &Plan<'_>, at: &[[f64; 2]], out: &mut [Point; WIDTH]) {
+        let Some(&last) = at.last() else { return };
+        let places = &mut self.work.places;
+        for k in 0..WIDTH {
+            let [x, y] = at.get(k).copied().unwrap_or(last);
+            [places.x[k], places.y[k]] = [x, y];
+            let kappa = plan.detail.at([x, y]);
+            [places.kappa[0][k], places.kappa[1][k], places.kappa[2][k]] = [kappa.value, kappa.dx, kappa.dy];
+        }
+        places.area = Area::of(at);
+        if self.work.run(plan) {
+            for (k, point) in out.iter_mut().enumerate().take(at.len()) {
+                *point = self.work.out.get::<true>(k);
+            }
+        } else {
+            out.fill(Point::NOTHING);
+        }
+    }
+}
+
 /// Memory of one thread.
 #[derive(Default)]
 struct Work {

@@ -17,6 +17,7 @@ pub mod stats;
 mod surveying;
 mod tags;
 pub mod tin;
+pub mod view;
 
 pub use metric::{AnyMetric, Distance, metric_of};
 pub use names::Names;

@@ -13,6 +13,7 @@ mod scene;
 mod sparse;
 mod spec;
 mod strategy;
+mod trace;
 
 /// How many trees a property looks at, unless `PROPTEST_CASES` says it.
 fn cases(usual: u32) -> proptest::test_runner::Config {

@@ -117,7 +117,7 @@ impl Primitive for Image {
         let scaled =
             |i: Interval, last: f64| Interval { min: i.min * last, max: i.max * last }.widened().clamped(0.0, last);
         let (c, r) = (scaled(u, last[0]), scaled(v, last[1]));
-        let found = self.samples.over(c, r);
+        let found = self.samples.over(self.interpolation, c, r);
         if found.weight.max <= 0.0 {
             return Bounds::NOTHING;
         }

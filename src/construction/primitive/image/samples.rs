@@ -1,7 +1,7 @@
 //! Samples of an image, and what lies between them.
 
 use super::found::{BLOCK, Found};
-use crate::construction::primitive::pyramid::Pyramid;
+use crate::construction::primitive::pyramid::{Pyramid, join};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::Heights;
 use crate::interval::Interval;
@@ -17,6 +17,9 @@ pub enum Interpolation {
     /// the outermost samples repeat.
     Bicubic,
 }
+
+/// So few cells are asked themselves for their bounds; the pyramid knows blocks of cells only.
+const FEW: usize = 9;
 
 /// Heights in the least memory that keeps them exactly.
 #[derive(Clone, Debug)]
@@ -111,10 +114,13 @@ impl Samples {
     }
 
     /// Bounds over ranges of columns and rows.
-    pub(super) fn over(&self, c: Interval, r: Interval) -> Found {
+    pub(super) fn over(&self, interpolation: Interpolation, c: Interval, r: Interval) -> Found {
         let cell = |at: f64, count: usize| (at.floor().max(0.0) as usize).min(count - 2);
         let (rows, cols) =
             ((cell(r.min, self.rows), cell(r.max, self.rows)), (cell(c.min, self.cols), cell(c.max, self.cols)));
+        if (rows.1 - rows.0 + 1) * (cols.1 - cols.0 + 1) <= FEW {
+            return join(rows, cols, |row, col| self.cell(interpolation, row, col));
+        }
         self.blocks.as_ref().map_or(Found::NOTHING, |blocks| blocks.over(rows, cols, BLOCK))
     }
 
