@@ -284,3 +284,25 @@ fn a_sparse_file_is_a_node() {
     let as_image = scene(&dir, "no.json", r#""root": {"sparse": {"terrain": "dem.tif"}}"#);
     Run::new(&["scene", "check", &as_image]).expect(3, "$.root.sparse.terrain");
 }
+
+#[test]
+fn a_picture_is_the_same_for_any_threads() {
+    let dir = folder();
+    let path = fixture("scenes/valley.json");
+    let draw = |name: &str, options: &[&str]| {
+        let out = inside(&dir, name);
+        let result =
+            Run::done(&[&["scene", "render", &path, &out, "--size", "160x90", "--json"], options].concat()).json();
+        (fs::read(&out).expect("the picture"), result["result"].clone())
+    };
+    let (one, result) = draw("one.png", &["-j", "1"]);
+    assert_eq!(draw("three.png", &["-j", "3"]).0, one);
+    assert_eq!((&one[..8], &one[16..24]), (&b"\x89PNG\r\n\x1a\n"[..], &[0, 0, 0, 160, 0, 0, 0, 90][..]));
+    assert_eq!((&result["rays"], &result["exhausted"]), (&(160 * 90).into(), &0.into()));
+    // From above the ground, towards it; the water has a colour of its own.
+    let view = ["--camera", "745000,4046000,+400", "--look-at", "750000,4052000,+0", "--sun", "120,30"];
+    let (seen, _) = draw("seen.png", &view);
+    let (red, _) = draw("red.png", &[&view[..], &["--colour", "water=ff0000"]].concat());
+    assert!(seen != one && red != seen);
+    assert_eq!(draw("same.png", &[&view[..], &["--colour", "water=4076A0"]].concat()).0, seen);
+}

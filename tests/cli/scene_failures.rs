@@ -126,3 +126,26 @@ fn files_and_boxes_that_are_not_there() {
     assert_eq!(fs::read(&out).expect("it is there"), b"mine");
     assert_eq!(listing(dir.path()), ["bytes.json", "endless.json", "hill.json", "out.tif"]);
 }
+
+#[test]
+fn pictures_that_cannot_be_drawn() {
+    let dir = folder();
+    let hill = scene(&dir, "hill.json", r#""root": {"disc": {"base_m": 9, "radius_m": 50}}"#);
+    let out = inside(&dir, "out.png");
+    let run = |options: &[&str]| Run::new(&[&["scene", "render", &hill, &out][..], options].concat());
+    run(&["--size", "0x9"]).expect(2, "--size 0x9");
+    run(&["--size", "big"]).expect(2, "such as 1920x1080");
+    run(&["--samples", "0"]).expect(2, "--samples 0");
+    run(&["--camera", "0,0,99"]).expect(2, "where does the camera look?");
+    run(&["--camera", "0,0", "--look-at", "0,0,0"]).expect(2, "expected X,Y,Z");
+    run(&["--camera", "900,0,+5", "--look-at", "0,0,0"]).expect(2, "there is no ground below");
+    run(&["--camera", "0,0,5", "--look-at", "0,0,5", "--size", "9x9"]).expect(2, "one point");
+    run(&["--sun", "300"]).expect(2, "two numbers");
+    run(&["--sun", "300,-5"]).expect(2, "0 to 90 degrees");
+    run(&["--colour", "water=blue"]).expect(2, "RRGGBB");
+    run(&["--colour", "water=0000ff"]).expect(2, "no such layer");
+    Run::new(&["scene", "render", &hill, &inside(&dir, "out.jpg")]).expect(2, "name it .png");
+    let endless = scene(&dir, "endless.json", r#""root": {"disc": {"base_m": 9}}"#);
+    Run::new(&["scene", "render", &endless, &out]).expect(2, "the scene is endless");
+    assert_eq!(listing(dir.path()), ["endless.json", "hill.json"]);
+}

@@ -3,6 +3,7 @@
 mod check;
 mod eval;
 mod mesh;
+mod render;
 
 use super::execute;
 use super::shared::CommonOptions;
@@ -29,6 +30,7 @@ enum Verb {
     Check(check::Check),
     Eval(Box<eval::Eval>),
     Mesh(Box<mesh::Mesh>),
+    Render(Box<render::Render>),
 }
 
 impl Scene {
@@ -37,6 +39,7 @@ impl Scene {
         match &self.verb {
             Verb::Check(verb) => execute("scene check", &verb.common, |reporter| verb.run(reporter)),
             Verb::Eval(verb) => execute("scene eval", &verb.common, |reporter| verb.run(reporter)),
+            Verb::Render(verb) => execute("scene render", &verb.common, |reporter| verb.run(reporter)),
             Verb::Mesh(verb) => execute("scene mesh", &verb.common, |reporter| verb.run(reporter)),
         }
     }

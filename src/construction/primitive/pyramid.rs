@@ -17,11 +17,7 @@ pub(super) struct Pyramid<T> {
 }
 
 /// Joins what `at` says of rows and columns, ends included.
-pub(super) fn join<T: Joined>(
-    rows: (usize, usize),
-    cols: (usize, usize),
-    mut at: impl FnMut(usize, usize) -> T,
-) -> T {
+pub(super) fn join<T: Joined>(rows: (usize, usize), cols: (usize, usize), mut at: impl FnMut(usize, usize) -> T) -> T {
     let mut all = at(rows.0, cols.0);
     for row in rows.0..=rows.1 {
         for col in cols.0..=cols.1 {

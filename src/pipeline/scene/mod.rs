@@ -6,6 +6,7 @@ mod files;
 pub mod mesh;
 mod places;
 mod read;
+pub mod render;
 mod resample;
 mod sparse;
 
