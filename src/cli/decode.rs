@@ -39,13 +39,7 @@ pub(super) struct Decode {
     #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
     window: Option<Vec<usize>>,
     /// Write the cells inside a box, in the raster's CRS.
-    #[arg(
-        long,
-        value_name = "XMIN,YMIN,XMAX,YMAX",
-        value_delimiter = ',',
-        num_args = 1,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "XMIN,YMIN,XMAX,YMAX", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     bbox: Option<Vec<f64>>,
     /// Write a coarser level: every 2^N-th cell of every 2^N-th row.
     #[arg(long, value_name = "N", default_value_t = 0)]

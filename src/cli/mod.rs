@@ -10,6 +10,7 @@ mod map;
 mod peaks;
 mod progress;
 mod report;
+mod scene;
 mod shared;
 mod sparse;
 mod stats;
@@ -42,6 +43,7 @@ enum Verb {
     Learn(Box<learn::Learn>),
     Map(map::Map),
     Peaks(Box<peaks::Peaks>),
+    Scene(scene::Scene),
     Stats(Box<stats::Stats>),
     Tin(Box<tin::Tin>),
     Verify(verify::Verify),
@@ -67,6 +69,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Verb::Learn(verb)) => execute("learn", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Map(verb)) => execute("map", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Scene(verb)) => verb.run(),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Tin(verb)) => execute("tin", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),

@@ -48,13 +48,7 @@ pub(super) struct PartOptions {
     #[arg(long, value_name = "COL,ROW,WIDTH,HEIGHT", value_delimiter = ',', num_args = 1)]
     window: Option<Vec<usize>>,
     /// Read the cells inside a box, in the input's CRS.
-    #[arg(
-        long,
-        value_name = "XMIN,YMIN,XMAX,YMAX",
-        value_delimiter = ',',
-        num_args = 1,
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "XMIN,YMIN,XMAX,YMAX", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     bbox: Option<Vec<f64>>,
 }
 

@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::interval::Interval;
 use crate::watch::Watch;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Columns of a tile unless said otherwise; a multiple of [`WIDTH`].
 const TILE_COLS: usize = 64;
@@ -67,7 +68,18 @@ impl Tree {
     /// # Errors
     /// When the watch's job is cancelled.
     pub fn elevations_m(&self, lattice: &Lattice, watch: &Watch) -> Result<Vec<f64>> {
-        self.evaluate(lattice, Tiling::default(), false, watch, |point| {
+        self.elevations_of_rows_m(lattice, 0..lattice.rows, watch)
+    }
+
+    /// [`Tree::elevations_m`] of some of the lattice's rows: for lattices that are larger than memory.
+    ///
+    /// # Errors
+    /// When the watch's job is cancelled.
+    ///
+    /// # Panics
+    /// When the lattice does not have these rows.
+    pub fn elevations_of_rows_m(&self, lattice: &Lattice, rows: Range<usize>, watch: &Watch) -> Result<Vec<f64>> {
+        self.evaluate_rows(lattice, rows, Tiling::default(), false, watch, |point| {
             // Plus nothing: -0 and 0 are one elevation.
             if point.weight.value >= super::THRESHOLD { point.elevation.value + 0.0 } else { f64::NAN }
         })
@@ -87,8 +99,28 @@ impl Tree {
         watch: &Watch,
         make: impl Fn(&Point) -> T + Sync,
     ) -> Result<Vec<T>> {
-        let Lattice { cols, rows, .. } = *lattice;
-        let mut out = vec![T::default(); cols * rows];
+        self.evaluate_rows(lattice, 0..lattice.rows, tiling, gradient, watch, make)
+    }
+
+    /// [`Tree::evaluate`] of some of the lattice's rows, with the same results as of all at once.
+    ///
+    /// # Errors
+    /// When the watch's job is cancelled. It advances by one a row.
+    ///
+    /// # Panics
+    /// When the lattice does not have these rows.
+    pub fn evaluate_rows<T: Copy + Default + Send>(
+        &self,
+        lattice: &Lattice,
+        rows: Range<usize>,
+        tiling: Tiling,
+        gradient: bool,
+        watch: &Watch,
+        make: impl Fn(&Point) -> T + Sync,
+    ) -> Result<Vec<T>> {
+        assert!(rows.start <= rows.end && rows.end <= lattice.rows, "rows of the lattice");
+        let cols = lattice.cols;
+        let mut out = vec![T::default(); cols * rows.len()];
         if out.is_empty() {
             return Ok(out);
         }
@@ -97,7 +129,7 @@ impl Tree {
         out.par_chunks_mut(tile_rows * cols).enumerate().try_for_each_init(
             Work::default,
             |work, (strip, values)| -> Result<()> {
-                let first_row = strip * tile_rows;
+                let first_row = rows.start + strip * tile_rows;
                 let high = values.len() / cols;
                 for first_col in (0..cols).step_by(tile_cols) {
                     let wide = tile_cols.min(cols - first_col);
@@ -145,6 +177,34 @@ impl Places {
 impl Default for Places {
     fn default() -> Self {
         Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY }
+    }
+}
+
+/// Evaluates points that lie anywhere, a block at a time.
+#[derive(Default)]
+pub(super) struct Scattered {
+    work: Work,
+}
+
+impl Scattered {
+    /// What the tree is at up to [`WIDTH`] points of the plan's region; gradients are there if the plan has them.
+    pub(super) fn run(&mut self, plan: &Plan<'_>, at: &[[f64; 2]], out: &mut [Point; WIDTH]) {
+        let Some(&last) = at.last() else { return };
+        let places = &mut self.work.places;
+        for k in 0..WIDTH {
+            let [x, y] = at.get(k).copied().unwrap_or(last);
+            [places.x[k], places.y[k]] = [x, y];
+            let kappa = plan.detail.at([x, y]);
+            [places.kappa[0][k], places.kappa[1][k], places.kappa[2][k]] = [kappa.value, kappa.dx, kappa.dy];
+        }
+        places.area = Area::of(at);
+        if self.work.run(plan) {
+            for (k, point) in out.iter_mut().enumerate().take(at.len()) {
+                *point = self.work.out.get::<true>(k);
+            }
+        } else {
+            out.fill(Point::NOTHING);
+        }
     }
 }
 

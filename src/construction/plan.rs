@@ -33,6 +33,8 @@ pub(super) enum Task<'t> {
 /// A node as the region needs it.
 #[derive(Clone, Debug)]
 pub(super) struct Step<'t> {
+    /// The node that the step is of.
+    node: NodeId,
     pub(super) task: Task<'t>,
     /// Outside of it the step is nothing.
     pub(super) support: Area,
@@ -67,10 +69,10 @@ struct Planner<'t> {
 }
 
 impl<'t> Plan<'t> {
-    pub(super) fn new(tree: &'t Tree, region: Region, want: Want) -> Self {
+    pub(super) fn new(tree: &'t Tree, root: NodeId, region: Region, want: Want) -> Self {
         let mut planner =
             Planner { tree, steps: vec![], operands: vec![], known: BTreeMap::new(), frames: vec![(0, 0)] };
-        let found = planner.visit(tree.root, 0, &region, want);
+        let found = planner.visit(root, 0, &region, want);
         let (root, bounds) = found.map_or((None, Bounds::NOTHING), |(id, bounds)| (Some(id), bounds));
         if let Some(id) = root {
             planner.steps[id as usize].uses += 1;
@@ -92,6 +94,11 @@ impl<'t> Plan<'t> {
     /// Number of nodes that are left.
     pub fn len(&self) -> usize {
         self.steps.len()
+    }
+
+    /// The nodes that are left: all others contribute exactly nothing to the region. One may come more than once.
+    pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
+        self.steps.iter().map(|step| step.node)
     }
 
     /// Whether the terrain is nowhere defined in the region.
@@ -178,7 +185,7 @@ impl<'t> Planner<'t> {
             self.steps[asked as usize].uses += 1;
         }
         let support = self.tree.supports[id.0 as usize];
-        self.steps.push(Step { task, support, want, uses: 0 });
+        self.steps.push(Step { node: id, task, support, want, uses: 0 });
         (self.steps.len() - 1) as StepId
     }
 

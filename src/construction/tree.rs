@@ -234,6 +234,43 @@ impl Tree {
         Self { root, ..self.clone() }
     }
 
+    /// The root, and all nodes below it, in ascending order.
+    pub fn reachable(&self) -> Vec<NodeId> {
+        let mut is_reached = vec![false; self.nodes.len()];
+        is_reached[self.root.0 as usize] = true;
+        // Children come before their parents.
+        for at in (0..self.nodes.len()).rev().filter(|&at| at <= self.root.0 as usize) {
+            if is_reached[at] {
+                self.nodes[at].children().iter().for_each(|child| is_reached[child.0 as usize] = true);
+            }
+        }
+        (0..self.nodes.len() as u32).filter(|&at| is_reached[at as usize]).map(NodeId).collect()
+    }
+
+    /// The children of a node, in their order.
+    ///
+    /// # Panics
+    /// When the node is not of this tree.
+    pub fn children(&self, node: NodeId) -> Vec<NodeId> {
+        self.nodes[node.0 as usize].children()
+    }
+
+    /// The box outside of which a node is nothing, in its own frame.
+    ///
+    /// # Panics
+    /// When the node is not of this tree.
+    pub fn support_of(&self, node: NodeId) -> Area {
+        self.supports[node.0 as usize]
+    }
+
+    /// Whether a node is a primitive.
+    ///
+    /// # Panics
+    /// When the node is not of this tree.
+    pub fn is_primitive(&self, node: NodeId) -> bool {
+        matches!(self.nodes[node.0 as usize], Node::Leaf(_))
+    }
+
     /// Numbers of primitives and of operators.
     pub fn counts(&self) -> (usize, usize) {
         let leaves = self.nodes.iter().filter(|node| matches!(node, Node::Leaf(_))).count();
@@ -254,7 +291,15 @@ impl Tree {
 
     /// What the tile needs of the tree, and its bounds there.
     pub fn plan(&self, area: &Area, want: Want) -> Plan<'_> {
-        Plan::new(self, self.detail.over(*area), want)
+        Plan::new(self, self.root, self.detail.over(*area), want)
+    }
+
+    /// Bounds of a node over a box of its own frame.
+    ///
+    /// # Panics
+    /// When the node is not of this tree.
+    pub fn bounds_of(&self, node: NodeId, area: &Area) -> Bounds {
+        *Plan::new(self, node, self.detail.over(*area), Want::ALL).bounds()
     }
 
     /// Bounds over a box, which may be endless.

@@ -37,6 +37,7 @@ mod pursuit;
 mod quality;
 mod raster;
 mod shape;
+mod slopes;
 mod terrain;
 
 pub use atoms::{Dictionary, Origin, Samples};
@@ -50,4 +51,5 @@ pub use pursuit::{Choice, Decomposition, Pursuit};
 pub use quality::{Difference, Storage, difference};
 pub use raster::Raster;
 pub use shape::PatchShape;
+pub use slopes::SparseSample;
 pub use terrain::SparseTerrain;

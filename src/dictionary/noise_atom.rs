@@ -3,6 +3,7 @@
 use super::atoms::{Dictionary, Origin};
 use super::shape::PatchShape;
 use crate::error::{Error, Result};
+use crate::interval::Interval;
 use crate::noise::{NoiseKind, NoiseSum, Sample, Spectrum};
 use crate::rng::Rng;
 use rayon::prelude::*;
@@ -94,6 +95,20 @@ impl NoiseAtom {
     /// The atom's value at a point `x`, `y` radii from the centre (east and south).
     pub fn value(&self, x: f64, y: f64) -> f64 {
         (self.sum.at(self.centre[0] + x, self.centre[1] + y, Sample::default()).value - self.mean) * self.scale
+    }
+
+    /// The atom's value and its gradient, per radius, at a point `x`, `y` radii from the centre.
+    pub fn sample(&self, x: f64, y: f64) -> Sample {
+        let found = self.sum.at(self.centre[0] + x, self.centre[1] + y, Sample::default());
+        let scale = self.scale;
+        Sample { value: (found.value - self.mean) * scale, dx: found.dx * scale, dy: found.dy * scale }
+    }
+
+    /// Range of the atom, and bound of its slope per radius.
+    pub fn bounds(&self) -> (Interval, f64) {
+        let (range, slope) = self.sum.bounds((Interval::ONE, 0.0));
+        let range = Interval { min: range.min - self.mean, max: range.max - self.mean }.scaled(self.scale);
+        (range.widened(), slope * self.scale.abs() * (1.0 + 1e-12))
     }
 }
 

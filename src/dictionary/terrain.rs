@@ -116,6 +116,21 @@ impl SparseTerrain {
         &self.dictionary
     }
 
+    /// Samples of atoms for each cell, in one direction.
+    pub fn factor(&self) -> usize {
+        self.factor
+    }
+
+    /// Bytes of memory beside itself.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.dictionary.values())
+            + size_of_val(&self.patch_at[..])
+            + size_of_val(&self.mean_m[..])
+            + size_of_val(&self.starts[..])
+            + size_of_val(&self.atoms[..])
+            + size_of_val(&self.parts_m[..])
+    }
+
     /// Number of discs.
     pub fn patches(&self) -> usize {
         self.mean_m.len()
@@ -264,7 +279,7 @@ impl SparseTerrain {
 }
 
 /// The four values of `count` around a position, and their parts in its value (Catmull and Rom 1974).
-fn cubic(at: f64, count: usize) -> ([usize; 4], [f64; 4]) {
+pub(super) fn cubic(at: f64, count: usize) -> ([usize; 4], [f64; 4]) {
     let floor = at.floor();
     let t = at - floor;
     let place = |offset: i64| (floor as i64 + offset).clamp(0, count as i64 - 1) as usize;
@@ -275,4 +290,10 @@ fn cubic(at: f64, count: usize) -> ([usize; 4], [f64; 4]) {
         (0.5 * t - 0.5) * t * t,
     ];
     ([place(-1), place(0), place(1), place(2)], parts)
+}
+
+/// Derivatives of the parts of [`cubic`] by the position.
+pub(super) fn cubic_slopes(at: f64) -> [f64; 4] {
+    let t = at - at.floor();
+    [(-1.5 * t + 2.0) * t - 0.5, (4.5 * t - 5.0) * t, (-4.5 * t + 4.0) * t + 0.5, (1.5 * t - 1.0) * t]
 }

@@ -126,7 +126,7 @@ pub fn read_layer(
     read_features(&mut source, &name, fields, target_wkt).map_err(|e| e.at_place(format!("layer {name}")).at_path(path))
 }
 
-fn open(path: &Path) -> Result<Dataset> {
+pub(super) fn open(path: &Path) -> Result<Dataset> {
     quiet();
     let text = path.to_string_lossy();
     // Names such as /vsizip/... or PG:... are GDAL's own and not of the file system.
@@ -153,7 +153,7 @@ fn has_geometry(layer: &gdal::vector::Layer<'_>) -> bool {
     layer.defn().geometry_type() != Wkb::wkbNone
 }
 
-fn choose_layer<'a>(dataset: &'a Dataset, wanted: Option<&str>) -> Result<gdal::vector::Layer<'a>> {
+pub(super) fn choose_layer<'a>(dataset: &'a Dataset, wanted: Option<&str>) -> Result<gdal::vector::Layer<'a>> {
     let names: Vec<String> = dataset.layers().map(|layer| layer.name()).collect();
     let there = if names.is_empty() { "it has none".to_string() } else { format!("it has {}", names.join(", ")) };
     if let Some(wanted) = wanted {
@@ -270,18 +270,18 @@ impl Column {
     }
 }
 
-fn in_xy_order(mut crs: SpatialRef) -> SpatialRef {
+pub(super) fn in_xy_order(mut crs: SpatialRef) -> SpatialRef {
     crs.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);
     crs
 }
 
-fn parse_crs(wkt: &str) -> Result<SpatialRef> {
+pub(super) fn parse_crs(wkt: &str) -> Result<SpatialRef> {
     SpatialRef::from_wkt(wkt)
         .map(in_xy_order)
         .map_err(|e| Error::new(ErrorKind::Input, format!("the target CRS is not valid WKT ({e})")))
 }
 
-fn transform_between(from: &SpatialRef, to: &SpatialRef) -> Result<CoordTransform> {
+pub(super) fn transform_between(from: &SpatialRef, to: &SpatialRef) -> Result<CoordTransform> {
     CoordTransform::new(from, to).map_err(|e| {
         let name = |crs: &SpatialRef| crs.name().unwrap_or_else(|| "an unnamed CRS".into());
         Error::new(
@@ -291,7 +291,7 @@ fn transform_between(from: &SpatialRef, to: &SpatialRef) -> Result<CoordTransfor
     })
 }
 
-fn wkt2(crs: &SpatialRef) -> Result<String> {
+pub(super) fn wkt2(crs: &SpatialRef) -> Result<String> {
     const FORMAT: &str = "OSR_WKT_FORMAT";
     let failed = |e: GdalError| Error::new(ErrorKind::Input, format!("the CRS cannot be written ({e})"));
     // The safe binding has no format argument; the option is the thread's own and is taken back.

@@ -60,6 +60,45 @@ impl ToGeographic for OwnGeographic {
     }
 }
 
+/// From the coordinates of one CRS to those of another.
+#[derive(Debug)]
+pub struct Reprojection {
+    transform: CoordTransform,
+}
+
+impl Reprojection {
+    /// The way from one CRS to another; heights are left alone.
+    ///
+    /// # Errors
+    /// When PROJ knows none.
+    pub fn new(from: &Crs, to: &Crs) -> Result<Self> {
+        quiet();
+        let parse = |crs: &Crs| -> gdal::errors::Result<SpatialRef> {
+            let mut parsed = SpatialRef::from_wkt(&crs.wkt)?;
+            parsed.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);
+            Ok(parsed)
+        };
+        let transform = parse(from).and_then(|source| CoordTransform::new(&source, &parse(to)?)).map_err(|error| {
+            let message = format!("PROJ knows no way from {} to {}: {error}", from.label(), to.label());
+            Error::new(ErrorKind::Unsupported, message)
+        })?;
+        Ok(Self { transform })
+    }
+
+    /// Coordinates in the other CRS in place of those in the one; NaN where there are none.
+    pub fn project(&self, x: &mut [f64], y: &mut [f64]) {
+        // What could not be transformed is infinite; a failure as a whole says no more than that.
+        let before = (x.to_vec(), y.to_vec());
+        let done = self.transform.transform_coords(x, y, &mut []).is_ok();
+        let is_untouched = !done && before.0 == x && before.1 == y;
+        for (x, y) in x.iter_mut().zip(y) {
+            if is_untouched || !x.is_finite() || !y.is_finite() {
+                (*x, *y) = (f64::NAN, f64::NAN);
+            }
+        }
+    }
+}
+
 /// A plane that touches an ellipsoid: the stereographic projection about a point, true to angles, with distances that
 /// are longer by a part in 500 at 5 degrees from it and one in 130 at 10.
 #[derive(Debug)]

@@ -7,12 +7,14 @@
 //! Only `+ - *`, comparisons, `floor` and integers are used, and a row of points goes through the same steps as one
 //! point: results are the same to the bit on every machine, with vectors or without.
 
+mod curvature;
 mod gradient;
 mod octave;
 mod sum;
 #[cfg(test)]
 mod tests;
 
+pub use curvature::CURVATURE;
 pub use gradient::{SLOPE, gradient_noise};
 pub use octave::{Octave, Spectrum};
 pub use sum::{Filter, NoiseKind, NoiseSum, Rows};

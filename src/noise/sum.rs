@@ -1,5 +1,6 @@
 //! Sums of octaves of noise, with their gradients and bounds.
 
+use super::curvature::CURVATURE;
 use super::gradient::{SLOPE, gradient_noise};
 use super::{Octave, Sample};
 use crate::interval::{Interval, product};
@@ -259,32 +260,42 @@ impl NoiseSum {
 
     /// Range and slope over the whole plane; `kappa` is the range of the level of detail and a bound of its slope.
     pub fn bounds(&self, kappa: (Interval, f64)) -> (Interval, f64) {
-        self.bounds_of(kappa, |_| Interval::new(-1.0, 1.0))
+        self.bounds_of(kappa, |_| (Interval::new(-1.0, 1.0), SLOPE))
     }
 
     /// Range and slope over the disc of a radius around `(x, y)`.
     ///
-    /// An octave whose bumps are wide next to the disc cannot change by more than its slope times the radius.
+    /// In a disc that is small next to an octave's bumps that octave's slope is not far from that at the centre, nor is
+    /// its value.
     pub fn bounds_near(&self, x: f64, y: f64, radius: f64, kappa: (Interval, f64)) -> (Interval, f64) {
         self.bounds_of(kappa, |octave| {
-            let reach = SLOPE * octave.frequency.abs() * radius;
             let whole = Interval::new(-1.0, 1.0);
-            if reach >= 1.0 {
-                return whole;
+            let radius = octave.frequency.abs() * radius;
+            if SLOPE * radius >= 1.0 {
+                return (whole, SLOPE);
             }
             let (x, y) = (x * octave.frequency + octave.shift[0], y * octave.frequency + octave.shift[1]);
-            whole.meet(Interval::around(gradient_noise::<false>(octave.seed, x, y).value, reach))
+            let n = gradient_noise::<true>(octave.seed, x, y);
+            // Slopes beyond CURVATURE times the radius of the centre's are not there; the value changes by the mean.
+            let slope = (n.dx * n.dx + n.dy * n.dy).sqrt() * (1.0 + 1e-12) + 1e-12;
+            let (steep, mean) = (slope + CURVATURE * radius, slope + 0.5 * CURVATURE * radius);
+            (whole.meet(Interval::around(n.value, SLOPE.min(mean) * radius)), SLOPE.min(steep))
         })
     }
 
-    /// Bounds from those of each octave's noise. The slope of a plain sum is the sum of `a_i s_i` [`SLOPE`] (the
+    /// Bounds from those of each octave's noise, value and slope. The slope of a plain sum is the sum of `a_i s_i` [`SLOPE`] (the
     /// paper, section 7.3.1, divides by `s_i`, which are frequencies). For ridges, with `r_i = offset - |eta_i|`:
     /// `|grad S_i| <= 2 |r_i| W_i s_i SLOPE + r_i² gain |grad S_{i-1}|`.
-    fn bounds_of(&self, (kappa, kappa_slope): (Interval, f64), eta: impl Fn(&Octave) -> Interval) -> (Interval, f64) {
+    fn bounds_of(
+        &self,
+        (kappa, kappa_slope): (Interval, f64),
+        eta: impl Fn(&Octave) -> (Interval, f64),
+    ) -> (Interval, f64) {
         let (mut range, mut slope) = (Interval::ZERO, 0.0);
         let (mut signal, mut signal_slope) = (Interval::ZERO, 0.0);
         for (i, octave) in self.octaves.iter().enumerate() {
-            let (eta, steep) = (eta(octave), SLOPE * octave.frequency.abs());
+            let (eta, steep) = eta(octave);
+            let steep = steep * octave.frequency.abs();
             let (term, term_slope) = match self.kind {
                 NoiseKind::Fractal => (eta, steep),
                 NoiseKind::Turbulence => (eta.abs(), steep),

@@ -10,12 +10,14 @@ mod names;
 mod overlay;
 pub mod peaks;
 mod regions;
+pub mod scene;
 pub mod sparse;
 mod spikes;
 pub mod stats;
 mod surveying;
 mod tags;
 pub mod tin;
+pub mod view;
 
 pub use metric::{AnyMetric, Distance, metric_of};
 pub use names::Names;

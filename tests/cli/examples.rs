@@ -5,19 +5,32 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// The verbs that the program's own help lists.
-fn verbs() -> Vec<String> {
-    let help = Run::done(&["--help"]).stdout();
-    let commands = help.split("Commands:\n").nth(1).expect("a list of commands");
+/// The verbs that the program's own help lists, each with those below it.
+fn verbs() -> Vec<Vec<String>> {
+    let mut found = vec![];
+    for verb in listed(&Run::done(&["--help"])).expect("a list of commands") {
+        let below = listed(&Run::done(&[&verb, "--help"])).unwrap_or_default();
+        found.extend(below.into_iter().map(|second| vec![verb.clone(), second]));
+        found.push(vec![verb]);
+    }
+    found
+}
+
+/// The verbs that a help lists, if it lists any.
+fn listed(run: &Run) -> Option<Vec<String>> {
+    let help = run.stdout();
+    let commands = help.split("Commands:\n").nth(1)?;
     let lines = commands.lines().take_while(|line| !line.is_empty());
     // Deeper lines go on with the description above.
     let names = lines.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
-    names.filter_map(|line| line.split_whitespace().next()).filter(|&verb| verb != "help").map(String::from).collect()
+    let names = names.filter_map(|line| line.split_whitespace().next());
+    Some(names.filter(|&verb| verb != "help").map(String::from).collect())
 }
 
 /// The command lines of the block of examples that ends a verb's help.
-fn examples(verb: &str) -> Vec<String> {
-    let run = Run::done(&[verb, "--help"]);
+fn examples(verb: &[String]) -> Vec<String> {
+    let words: Vec<&str> = verb.iter().map(String::as_str).chain(["--help"]).collect();
+    let run = Run::done(&words);
     let help = run.stdout();
     let start = help.rfind("\nExample");
     run.check(start.is_some(), "a block of examples");
@@ -32,9 +45,9 @@ fn examples(verb: &str) -> Vec<String> {
 fn they_run() {
     let verbs = verbs();
     assert!(
-        ["decode", "encode", "info", "learn", "map", "peaks", "stats", "tin", "verify"]
+        ["decode", "encode", "info", "learn", "map", "peaks", "scene", "scene eval", "stats", "tin", "verify"]
             .iter()
-            .all(|known| verbs.iter().any(|verb| verb == known)),
+            .all(|known| verbs.iter().any(|verb| verb.join(" ") == *known)),
         "{verbs:?}"
     );
     for verb in verbs {

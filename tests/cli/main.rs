@@ -14,6 +14,8 @@ mod mesh_files;
 mod outputs;
 mod rasters;
 mod readme;
+mod scene;
+mod scene_failures;
 #[path = "../schema/mod.rs"]
 mod schema;
 mod sparse;

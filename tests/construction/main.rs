@@ -10,8 +10,10 @@ mod bounds;
 mod literal;
 mod primitives;
 mod scene;
+mod sparse;
 mod spec;
 mod strategy;
+mod trace;
 
 /// How many trees a property looks at, unless `PROPTEST_CASES` says it.
 fn cases(usual: u32) -> proptest::test_runner::Config {

@@ -3,7 +3,7 @@
 #[path = "../schema/mod.rs"]
 mod schema;
 
-use orograph::construction::scene::{Line, Scene, Sources};
+use orograph::construction::scene::{Line, LineQuery, RasterQuery, Scene, Sources, SparseSource};
 use orograph::construction::{Area, Lattice};
 use orograph::error::{Error, ErrorKind, Result};
 use orograph::grid::{GeoTransform, HeightRows, Heights};
@@ -16,7 +16,8 @@ use std::sync::Arc;
 struct Files;
 
 impl Sources for Files {
-    fn heights(&self, path: &str, band: usize) -> Result<Arc<dyn Heights>> {
+    fn heights(&self, query: &RasterQuery<'_>) -> Result<Arc<dyn Heights>> {
+        let RasterQuery { path, band, .. } = *query;
         let heights = (0..200).map(|i| f64::from(i % 20) + 100.0 * (band - 1) as f64).collect();
         let georeference = match path {
             "plane.tif" => GeoTransform([1000.0, 10.0, 0.0, 2100.0, 0.0, -10.0]),
@@ -27,7 +28,21 @@ impl Sources for Files {
         Ok(Arc::new(HeightRows::new(20, heights, Some(georeference))))
     }
 
-    fn lines(&self, path: &str, layer: Option<&str>) -> Result<Vec<Line>> {
+    fn weights(&self, query: &RasterQuery<'_>, heights: &dyn Heights) -> Result<Arc<dyn Heights>> {
+        assert!(query.is_placed && query.band == 1);
+        if query.path != "share.tif" {
+            return Err(Error::new(ErrorKind::Input, "no such file").at_path(query.path));
+        }
+        let shares = (0..heights.rows() * heights.cols()).map(|i| if i % 20 < 10 { 1.0 } else { 0.25 }).collect();
+        Ok(Arc::new(HeightRows::new(heights.cols(), shares, None)))
+    }
+
+    fn sparse(&self, path: &str) -> Result<SparseSource> {
+        Err(Error::new(ErrorKind::Input, "no such file").at_path(path))
+    }
+
+    fn lines(&self, query: &LineQuery<'_>) -> Result<Vec<Line>> {
+        let LineQuery { path, layer, .. } = *query;
         if path != "rivers.gpkg" {
             return Err(Error::new(ErrorKind::Input, "no such file").at_path(path));
         }

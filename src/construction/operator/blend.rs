@@ -6,7 +6,9 @@
 //! greatest difference of two children and `lambda_i` the slopes of their weights. For two children that is
 //! `max(lambda_A, lambda_B) + sup|f_A - f_B| max(lambda_alpha_A, lambda_alpha_B) / inf(alpha_A + alpha_B)`. The
 //! paper's appendix drops the division by `alpha_A + alpha_B`; where the terrain is defined that is a factor of at
-//! most 1 / T = 2, on the fringe there is no bound. What stays bounded there is alpha times the slope,
+//! most 1 / T = 2, on the fringe there is no bound. The first sum is the greatest mean of the children's slopes by
+//! shares `beta_i` that their weights allow; and the second is also at most the sum of `sup|f_i - f| lambda_i / inf alpha`.
+//! Elevations are bounded by means like slopes. What stays bounded there is alpha times the slope,
 //! [`Bounds::weighted_slope`], which is why a blend of blends still has a slope where it is defined.
 
 use crate::construction::bounds::Bounds;
@@ -64,25 +66,64 @@ pub(in crate::construction) fn divide_block<const GRADIENT: bool>(sum: &mut Bloc
     }
 }
 
+/// The greatest `sum beta_i value_i` over shares `beta_i` within their ranges whose sum is 1: all have their least, and
+/// the rest goes where values are greatest.
+fn greatest(shares: &[Interval], mut values: Vec<(f64, usize)>) -> f64 {
+    values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut rest = 1.0 - shares.iter().map(|share| share.min).sum::<f64>();
+    let mut sum = 0.0;
+    for (value, i) in values {
+        let more = shares[i].width().min(rest).max(0.0);
+        rest -= more;
+        sum += product(shares[i].min + more, value);
+    }
+    sum
+}
+
+/// Ranges of the children's shares of the weight. A little wider than they are: they are divided by sums of two kinds.
+fn shares(children: &[Bounds], weight: Interval) -> Vec<Interval> {
+    let share = |child: &Bounds| {
+        let own = child.weight;
+        let others = Interval { min: (weight.min - own.min).max(0.0), max: weight.max - own.max };
+        let of = |own: f64, others: f64| if own > 0.0 { own / (own + others.max(0.0)) } else { 0.0 };
+        Interval {
+            min: of(own.min, others.max) * (1.0 - 1e-12),
+            max: (of(own.max, others.min) * (1.0 + 1e-12)).min(1.0),
+        }
+    };
+    children.iter().map(share).collect()
+}
+
 /// Bounds of a blend of children none of which is nothing.
 pub(in crate::construction) fn bounds(children: &[Bounds]) -> Bounds {
-    let Some(first) = children.first() else { return Bounds::NOTHING };
-    let mut elevation = first.elevation;
+    let [first, others @ ..] = children else { return Bounds::NOTHING };
+    if others.is_empty() {
+        let weighted_slope = first.weighted_slope.min(product(first.slope, first.weight.max));
+        return Bounds { weighted_slope, ..*first }.widened();
+    }
+    let mut hull = first.elevation;
     let mut weight = Interval::ZERO;
-    let (mut steepest, mut weighted, mut slopes, mut least) = (0.0_f64, 0.0, 0.0, f64::INFINITY);
+    let (mut weighted, mut slopes, mut least) = (0.0, 0.0, f64::INFINITY);
     for child in children {
-        elevation = elevation.hull(child.elevation);
+        hull = hull.hull(child.elevation);
         weight = weight.plus(child.weight);
-        steepest = steepest.max(child.slope);
         weighted += child.weighted_slope;
         slopes += child.weight_slope;
         least = least.min(child.weight_slope);
     }
-    // The greatest difference between two different children.
-    let apart = if children.len() == 1 { 0.0 } else { elevation.width() };
+    let shares = shares(children, weight);
+    let listed = |value: &dyn Fn(&Bounds) -> f64| children.iter().map(value).enumerate().map(|(i, v)| (v, i)).collect();
+    let steepest = greatest(&shares, listed(&|child| child.slope));
+    let top = greatest(&shares, listed(&|child| child.elevation.max));
+    let bottom = -greatest(&shares, listed(&|child| -child.elevation.min));
+    let slack = hull.size() * 1e-11;
+    let elevation = Interval { min: hull.min.max(bottom - slack), max: hull.max.min(top + slack) };
+    // No child is further from the blend than this, nor from another child.
+    let apart = |child: &Bounds| child.elevation.minus(elevation).size().min(hull.width());
     // An infinite slope of a weight less itself is no number.
-    let others = if least.is_finite() { slopes - least } else { slopes };
-    let drift = product(apart, if children.len() == 1 { 0.0 } else { others });
+    let most = if least.is_finite() { slopes - least } else { slopes };
+    let each: f64 = children.iter().map(|child| product(apart(child), child.weight_slope)).sum();
+    let drift = product(hull.width(), most).min(each);
     let over = |bound: f64| if bound == 0.0 { 0.0 } else { bound / weight.min };
     let slope = (steepest + over(drift)).min(over(weighted + drift));
     let weighted_slope = (weighted + drift).min(product(slope, weight.max));

@@ -6,7 +6,9 @@ mod disc;
 mod fall_off;
 mod image;
 mod profile;
+mod pyramid;
 mod skeleton;
+mod sparse;
 
 pub use contour::Contour;
 pub use curve::Curve;
@@ -15,6 +17,7 @@ pub use fall_off::FallOff;
 pub use image::{Image, Interpolation, Mapping, Samples};
 pub use profile::Profile;
 pub use skeleton::Skeleton;
+pub use sparse::Sparse;
 
 use super::area::{Area, Region};
 use super::bounds::Bounds;

@@ -34,6 +34,11 @@ impl<'a> Value<'a> {
         Error::new(kind, format!("{named}{}", error.message())).at_place(place)
     }
 
+    /// The path in the document.
+    pub(super) fn place(&self) -> String {
+        self.path.clone()
+    }
+
     fn expected(&self, what: &str) -> Error {
         let mut found = self.json.to_string();
         if found.chars().count() > 60 {

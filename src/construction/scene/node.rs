@@ -27,18 +27,24 @@ pub(super) struct Reader<'a> {
     /// Names that are being made, outermost first.
     open: Vec<String>,
     depth: usize,
+    /// Nodes with their places in the document, in the order in which they were made; a node that is made of another
+    /// may come twice.
+    pub(super) places: Vec<(NodeId, String)>,
+    /// What a user should know of how nodes were made.
+    pub(super) notes: Vec<String>,
 }
 
 /// Members that a node may have; it has exactly one.
-const KINDS: [&str; 12] =
-    ["disc", "curve", "contour", "image", "blend", "replace", "add", "place", "bend", "level", "weigh", "ref"];
+const KINDS: [&str; 13] = [
+    "disc", "curve", "contour", "image", "sparse", "blend", "replace", "add", "place", "bend", "level", "weigh", "ref",
+];
 
 impl<'a> Reader<'a> {
     pub(super) fn new(sources: &'a dyn Sources, origin: [f64; 2], nodes: Option<Value<'a>>) -> Result<Self> {
         let members = nodes.map_or(Ok(vec![]), |nodes| nodes.members())?;
         let names = members.iter().map(|(name, _)| name.clone()).collect();
         let named = members.into_iter().map(|(name, value)| (name, (value, Progress::Unused))).collect();
-        Ok(Self { sources, origin, names, named, open: vec![], depth: 0 })
+        Ok(Self { sources, origin, names, named, open: vec![], depth: 0, places: vec![], notes: vec![] })
     }
 
     /// Named nodes that nothing referred to, in the file's order.
@@ -65,11 +71,20 @@ impl<'a> Reader<'a> {
             return Err(value
                 .fault(format!("a node is an object with one member, one of {}; found {names:?}", KINDS.join(", "))));
         };
-        match kind.as_str() {
+        let id = self.of_kind(builder, value, kind, body)?;
+        if kind != "ref" {
+            self.places.push((id, body.place()));
+        }
+        Ok(id)
+    }
+
+    fn of_kind(&mut self, builder: &mut Builder, value: &Value<'a>, kind: &str, body: &Value<'a>) -> Result<NodeId> {
+        match kind {
             "disc" => self.disc(builder, body),
             "curve" => self.curve(builder, body),
             "contour" => self.contour(builder, body),
             "image" => self.image(builder, body),
+            "sparse" => self.sparse(builder, body),
             "ref" => self.named(builder, body),
             "blend" => {
                 let mut children = vec![];
@@ -179,6 +194,9 @@ fn placement(parts: &super::fields::Object<'_>, body: &Value<'_>) -> Result<Affi
 
 /// The deformation of a `bend`.
 fn bending(parts: &super::fields::Object<'_>, body: &Value<'_>) -> Result<Deformation> {
+    if ["noise", "drag", "twist"].iter().filter(|name| parts.get(name).is_some()).count() > 1 {
+        return Err(body.fault("a bend has one of noise, drag and twist; put one into another"));
+    }
     if let Some(noise) = parts.get("noise") {
         let spectrum = super::leaf::spectrum(&noise.object(&super::leaf::SPECTRUM)?)?;
         return Deformation::noise(spectrum).map_err(|e| noise.blame(&e));

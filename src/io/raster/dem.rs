@@ -2,7 +2,8 @@
 
 use super::suspect::Sentinel;
 use crate::crs::{Crs, CrsKind};
-use crate::grid::{AnyGrid, Elevations, GeoTransform};
+use crate::grid::{AnyGrid, Elevations, GeoTransform, Key};
+use crate::with_grid;
 
 /// The least and greatest key of the cells that are not void.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +38,11 @@ pub struct Dem {
 }
 
 impl Dem {
+    /// Elevations in metres, row by row; NaN for voids.
+    pub fn heights_m(&self) -> Vec<f64> {
+        with_grid!(&self.grid, grid => metres(grid.cells(), &self.elevations))
+    }
+
     /// Longitude and latitude in degrees of coordinates in the DEM's CRS, where that is geographic.
     pub fn geographic(&self, x: f64, y: f64) -> Option<(f64, f64)> {
         self.crs.as_ref()?.geographic_degrees(x, y)
@@ -49,4 +55,10 @@ impl Dem {
             _ => 1.0,
         }
     }
+}
+
+/// Elevations in metres; NaN for voids.
+fn metres<K: Key>(cells: &[K], elevations: &Elevations) -> Vec<f64> {
+    let metres = |key: &K| if *key == K::VOID { f64::NAN } else { elevations.elevation_m(key.to_i64()) };
+    cells.iter().map(metres).collect()
 }

@@ -6,11 +6,10 @@ use super::lines::{LineSource, read_lines};
 use super::place::Placed;
 use super::write::{MeshFormat, Provenance, Target};
 use crate::error::{Error, ErrorKind, Result};
-use crate::grid::{Elevations, GeoTransform, Key};
+use crate::grid::GeoTransform;
 use crate::io::raster::{Dem, RasterOptions, RasterSource};
 use crate::tin::{Breaklines, Heights, Mesh, RefineOptions, refine, regular};
 use crate::watch::Watch;
-use crate::with_grid;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -97,24 +96,9 @@ pub fn run(job: &TinJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Ti
     if !lines.is_empty() && breaklines.is_empty() {
         warn("none of the lines lies on the raster: are they those of another place?");
     }
-    let made = match job.exactness {
-        Exactness::Regular => whole(&heights),
-        Exactness::Refined { max_error_m, max_vertices } => {
-            let limit = max_vertices.map_or(vertices, |limit| limit.min(vertices));
-            let options = RefineOptions { max_error_m, max_vertices: Some(limit) };
-            let made = refine(&heights, &breaklines, options, watch).map_err(at_input)?;
-            if made.error_m > max_error_m && limit == vertices && max_vertices != Some(limit) {
-                return Err(at_input(out_of_memory(vertices)));
-            }
-            Made { mesh: made.mesh, error_m: made.error_m, uncovered: made.uncovered }
-        }
-    };
+    let made = triangulate(&heights, &breaklines, job.exactness, vertices, watch).map_err(at_input)?;
     let Made { mut mesh, error_m, uncovered } = made;
     drop(heights);
-    if mesh.triangles.is_empty() {
-        let message = "there is nothing to triangulate: no three cells with data that are neighbours of each other";
-        return Err(at_input(Error::new(ErrorKind::Input, message)));
-    }
     if uncovered > 0 {
         warn(&format!("{uncovered} cells with data stand alone, or in lines of one cell's width, and are left out"));
     }
@@ -124,7 +108,8 @@ pub fn run(job: &TinJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Ti
     let begun = Instant::now();
     watch.begin("writing", 1);
     let origin = placed.origin(format, &mesh);
-    let provenance = Provenance { job, source: &source, placed: &placed, origin, error_m };
+    let (command, crs) = (job.command.as_str(), source.crs.as_ref());
+    let provenance = Provenance { command, input: &source.path, crs, placed: &placed, origin, error_m };
     target.write(&mesh, &provenance, watch)?;
     Ok(TinReport {
         size: (rows, cols, cells),
@@ -139,10 +124,42 @@ pub fn run(job: &TinJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Ti
 }
 
 /// A mesh in columns and rows.
-struct Made {
-    mesh: Mesh,
-    error_m: f64,
-    uncovered: u64,
+pub(in crate::pipeline) struct Made {
+    pub(in crate::pipeline) mesh: Mesh,
+    /// Greatest vertical distance in metres of a cell from the mesh.
+    pub(in crate::pipeline) error_m: f64,
+    /// Cells with data that no triangle covers.
+    pub(in crate::pipeline) uncovered: u64,
+}
+
+/// A mesh as exact as it is to be, of at most so many vertices as there is memory for.
+///
+/// # Errors
+/// Where these do not suffice, no three cells are neighbours of each other, or the job is cancelled.
+pub(in crate::pipeline) fn triangulate(
+    heights: &Heights,
+    breaklines: &Breaklines,
+    exactness: Exactness,
+    vertices: usize,
+    watch: &Watch,
+) -> Result<Made> {
+    let made = match exactness {
+        Exactness::Regular => whole(heights),
+        Exactness::Refined { max_error_m, max_vertices } => {
+            let limit = max_vertices.map_or(vertices, |limit| limit.min(vertices));
+            let options = RefineOptions { max_error_m, max_vertices: Some(limit) };
+            let made = refine(heights, breaklines, options, watch)?;
+            if made.error_m > max_error_m && limit == vertices && max_vertices != Some(limit) {
+                return Err(out_of_memory(vertices));
+            }
+            Made { mesh: made.mesh, error_m: made.error_m, uncovered: made.uncovered }
+        }
+    };
+    if made.mesh.triangles.is_empty() {
+        let message = "there is nothing to triangulate: no three cells with data that are neighbours of each other";
+        return Err(Error::new(ErrorKind::Input, message));
+    }
+    Ok(made)
 }
 
 /// The mesh of all cells.
@@ -186,18 +203,14 @@ fn warn_of_input(dem: &Dem, warn: &mut dyn FnMut(&str)) {
 /// The elevations of a DEM, whose cells are given up for them.
 fn heights_of(dem: Dem) -> Result<Heights> {
     let (rows, cols) = (dem.grid.rows(), dem.grid.cols());
-    let z_m = with_grid!(&dem.grid, grid => metres(grid.cells(), &dem.elevations));
-    Heights::new(rows, cols, z_m)
-}
-
-/// Elevations in metres; NaN for voids.
-fn metres<K: Key>(cells: &[K], elevations: &Elevations) -> Vec<f64> {
-    let metres = |key: &K| if *key == K::VOID { f64::NAN } else { elevations.elevation_m(key.to_i64()) };
-    cells.iter().map(metres).collect()
+    Heights::new(rows, cols, dem.heights_m())
 }
 
 /// Makes coordinates of columns and rows.
-fn place(mesh: &mut Mesh, transform: &GeoTransform, placed: &Placed) -> Result<()> {
+///
+/// # Errors
+/// Places that have no image in the plane.
+pub(in crate::pipeline) fn place(mesh: &mut Mesh, transform: &GeoTransform, placed: &Placed) -> Result<()> {
     let t = &transform.0;
     // Where rows are counted downwards, what was counter-clockwise among columns and rows no longer is.
     if t[1] * t[5] - t[2] * t[4] < 0.0 {

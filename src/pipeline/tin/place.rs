@@ -12,7 +12,7 @@ use crate::tin::Mesh;
 const REACH: f64 = 10.0;
 
 /// What is done with the coordinates of a raster.
-pub(super) enum Placed {
+pub(in crate::pipeline) enum Placed {
     /// They stay as they are: in layers, which have a CRS of their own.
     Kept,
     /// They are plane, and are multiplied to be metres.
@@ -26,7 +26,7 @@ impl Placed {
     ///
     /// # Errors
     /// Longitudes and latitudes over a larger part of the globe than a plane can show.
-    pub(super) fn of(source: &RasterSource, format: MeshFormat) -> Result<Self> {
+    pub(in crate::pipeline) fn of(source: &RasterSource, format: MeshFormat) -> Result<Self> {
         if format == MeshFormat::GeoPackage {
             return Ok(Self::Kept);
         }
@@ -64,7 +64,7 @@ impl Placed {
     ///
     /// # Errors
     /// Places that have no image in the plane.
-    pub(super) fn place(&self, mesh: &mut Mesh) -> Result<()> {
+    pub(in crate::pipeline) fn place(&self, mesh: &mut Mesh) -> Result<()> {
         match self {
             Self::Kept => {}
             Self::Metres(1.0) => {}
@@ -85,13 +85,13 @@ impl Placed {
     }
 
     /// The plane as a PROJ string, where it is not that of the raster's CRS.
-    pub(super) fn plane_definition(&self) -> Option<&str> {
+    pub(in crate::pipeline) fn plane_definition(&self) -> Option<&str> {
         if let Self::Plane(plane, _) = self { Some(plane.definition()) } else { None }
     }
 
     /// What a file of a format takes away from coordinates: whole metres near the mesh's middle where the format, or
     /// most programs that read it, have single precision. Elevations stay.
-    pub(super) fn origin(&self, format: MeshFormat, mesh: &Mesh) -> [f64; 3] {
+    pub(in crate::pipeline) fn origin(&self, format: MeshFormat, mesh: &Mesh) -> [f64; 3] {
         match (format, self, mesh.bounds()) {
             (MeshFormat::Obj | MeshFormat::Glb, Self::Metres(_), Some((low, high))) => {
                 let middle = |i: usize| ((low[i] + high[i]) / 2.0).floor();

@@ -1,11 +1,10 @@
 //! Meshes into files.
 
 use super::super::layers::TrianglesLayer;
-use super::job::TinJob;
 use super::place::Placed;
+use crate::crs::Crs;
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::output::Output;
-use crate::io::raster::RasterSource;
 use crate::io::vector::Writer;
 use crate::tin::{GlbOptions, Mesh, PlyOptions, write_glb, write_obj, write_ply};
 use crate::watch::Watch;
@@ -47,24 +46,28 @@ impl MeshFormat {
 }
 
 /// What a file says of its origin.
-pub(super) struct Provenance<'a> {
-    pub(super) job: &'a TinJob,
-    pub(super) source: &'a RasterSource,
-    pub(super) placed: &'a Placed,
-    pub(super) origin: [f64; 3],
-    pub(super) error_m: f64,
+pub(in crate::pipeline) struct Provenance<'a> {
+    /// The command that makes it.
+    pub(in crate::pipeline) command: &'a str,
+    /// The file that it is made of.
+    pub(in crate::pipeline) input: &'a Path,
+    /// That file's CRS.
+    pub(in crate::pipeline) crs: Option<&'a Crs>,
+    pub(in crate::pipeline) placed: &'a Placed,
+    pub(in crate::pipeline) origin: [f64; 3],
+    pub(in crate::pipeline) error_m: f64,
 }
 
 impl Provenance<'_> {
     /// Keys and values: nothing that differs from run to run.
     fn facts(&self) -> Vec<(&'static str, String)> {
         let mut facts = vec![
-            ("command", self.job.command.clone()),
+            ("command", self.command.to_string()),
             ("version", env!("CARGO_PKG_VERSION").to_string()),
-            ("input", self.source.path.display().to_string()),
+            ("input", self.input.display().to_string()),
             ("error_m", self.error_m.to_string()),
         ];
-        let coordinates = match (self.placed, self.source.crs.as_ref()) {
+        let coordinates = match (self.placed, self.crs) {
             (Placed::Kept, _) => return facts,
             (Placed::Plane(plane, _), _) => plane.definition().to_string(),
             (Placed::Metres(metres), Some(crs)) if *metres != 1.0 => {
@@ -87,7 +90,7 @@ impl Provenance<'_> {
 }
 
 /// Where a mesh will be written.
-pub(super) enum Target {
+pub(in crate::pipeline) enum Target {
     Mesh(Output, MeshFormat),
     Layer(Writer),
 }
@@ -97,7 +100,7 @@ impl Target {
     ///
     /// # Errors
     /// As [`Output::begin`].
-    pub(super) fn begin(path: &Path, format: MeshFormat, overwrite: bool) -> Result<Self> {
+    pub(in crate::pipeline) fn begin(path: &Path, format: MeshFormat, overwrite: bool) -> Result<Self> {
         match format {
             MeshFormat::GeoPackage => Writer::begin(path, &["triangles"], overwrite).map(Self::Layer),
             _ => Output::begin(path, overwrite).map(|output| Self::Mesh(output, format)),
@@ -109,7 +112,7 @@ impl Target {
     /// # Errors
     /// A full disk or another failure to write, a mesh that the format cannot have, or an interrupt; then no file is
     /// changed.
-    pub(super) fn write(self, mesh: &Mesh, provenance: &Provenance<'_>, watch: &Watch) -> Result<()> {
+    pub(in crate::pipeline) fn write(self, mesh: &Mesh, provenance: &Provenance<'_>, watch: &Watch) -> Result<()> {
         let (output, format) = match self {
             Self::Layer(writer) => {
                 let metadata: Vec<(String, String)> = provenance
@@ -117,7 +120,7 @@ impl Target {
                     .into_iter()
                     .map(|(key, value)| (format!("OROGRAPH_{}", key.to_uppercase()), value))
                     .collect();
-                return writer.write(&[&TrianglesLayer::new(mesh)], provenance.source.crs.as_ref(), &metadata, watch);
+                return writer.write(&[&TrianglesLayer::new(mesh)], provenance.crs, &metadata, watch);
             }
             Self::Mesh(output, format) => (output, format),
         };
@@ -139,7 +142,7 @@ impl Target {
             _ => {
                 let extras =
                     provenance.facts().into_iter().map(|(key, value)| (key.to_string(), json!(value))).collect();
-                let name = provenance.source.path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+                let name = provenance.input.file_stem().map(|stem| stem.to_string_lossy().into_owned());
                 write_glb(mesh, &GlbOptions { origin, name: name.unwrap_or_default(), extras }, &mut file)
             }
         };

@@ -104,7 +104,9 @@ impl Mapping {
         match &self.0 {
             Kind::Box(area) => {
                 let (w, h) = (area.x.width(), area.y.width());
-                area.holds(at)
+                // Samples on the edge are there however their coordinates were rounded; whoever enters clamps.
+                area.widened()
+                    .holds(at)
                     .then(|| ([(at[0] - area.x.min) / w, (area.y.max - at[1]) / h], [[1.0 / w, 0.0], [0.0, -1.0 / h]]))
             }
             Kind::Quadrangle { a, e, f, g, turn, .. } => {
@@ -133,7 +135,7 @@ impl Mapping {
         match &self.0 {
             Kind::Box(own) => {
                 let (w, h) = (own.x.width(), own.y.width());
-                let part = area.meet(own);
+                let part = area.meet(&own.widened());
                 if part.is_empty() {
                     return Seen { uv: None, stretch: 0.0, has_edge: true };
                 }

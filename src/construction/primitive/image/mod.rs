@@ -1,8 +1,8 @@
 //! Images: rasters of heights as features.
 
+mod found;
 mod mapping;
 mod samples;
-mod statistics;
 
 pub use mapping::Mapping;
 pub use samples::{Interpolation, Samples};
@@ -117,7 +117,10 @@ impl Primitive for Image {
         let scaled =
             |i: Interval, last: f64| Interval { min: i.min * last, max: i.max * last }.widened().clamped(0.0, last);
         let (c, r) = (scaled(u, last[0]), scaled(v, last[1]));
-        let found = self.samples.over(c, r);
+        let found = self.samples.over(self.interpolation, c, r);
+        if found.weight.max <= 0.0 {
+            return Bounds::NOTHING;
+        }
         // The weight's fall towards the edges, and its slope there.
         let edge = |range: Interval, last: f64| {
             if self.fade <= 0.0 {

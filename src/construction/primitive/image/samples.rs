@@ -1,6 +1,7 @@
 //! Samples of an image, and what lies between them.
 
-use super::statistics::{Found, Statistics};
+use super::found::{BLOCK, Found};
+use crate::construction::primitive::pyramid::{Pyramid, join};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::Heights;
 use crate::interval::Interval;
@@ -17,6 +18,9 @@ pub enum Interpolation {
     Bicubic,
 }
 
+/// So few cells are asked themselves for their bounds; the pyramid knows blocks of cells only.
+const FEW: usize = 9;
+
 /// Heights in the least memory that keeps them exactly.
 #[derive(Clone, Debug)]
 enum Cells {
@@ -32,7 +36,8 @@ pub struct Samples {
     heights_m: Cells,
     /// Weights where not all are 1.
     weights: Option<Vec<f32>>,
-    statistics: Statistics,
+    /// Bounds of blocks of cells, once they are measured.
+    blocks: Option<Pyramid<Found>>,
 }
 
 impl Samples {
@@ -90,7 +95,7 @@ impl Samples {
         let heights_m =
             if single { Cells::Single(values.iter().map(|&v| v as f32).collect()) } else { Cells::Double(values) };
         let weights = shares.iter().any(|&share| share != 1.0).then_some(shares);
-        Ok(Self { rows, cols, heights_m, weights, statistics: Statistics::default() })
+        Ok(Self { rows, cols, heights_m, weights, blocks: None })
     }
 
     pub(super) fn rows(&self) -> usize {
@@ -103,16 +108,20 @@ impl Samples {
 
     /// With bounds of all cells for an interpolation.
     pub(super) fn measured(mut self, interpolation: Interpolation) -> Self {
-        self.statistics = Statistics::new(self.rows - 1, self.cols - 1, |row, col| self.cell(interpolation, row, col));
+        let cell = |row, col| self.cell(interpolation, row, col);
+        self.blocks = Some(Pyramid::new(self.rows - 1, self.cols - 1, BLOCK, cell));
         self
     }
 
     /// Bounds over ranges of columns and rows.
-    pub(super) fn over(&self, c: Interval, r: Interval) -> Found {
+    pub(super) fn over(&self, interpolation: Interpolation, c: Interval, r: Interval) -> Found {
         let cell = |at: f64, count: usize| (at.floor().max(0.0) as usize).min(count - 2);
         let (rows, cols) =
             ((cell(r.min, self.rows), cell(r.max, self.rows)), (cell(c.min, self.cols), cell(c.max, self.cols)));
-        self.statistics.over(rows, cols)
+        if (rows.1 - rows.0 + 1) * (cols.1 - cols.0 + 1) <= FEW {
+            return join(rows, cols, |row, col| self.cell(interpolation, row, col));
+        }
+        self.blocks.as_ref().map_or(Found::NOTHING, |blocks| blocks.over(rows, cols, BLOCK))
     }
 
     #[inline(always)]
@@ -162,6 +171,9 @@ impl Samples {
     fn cell(&self, interpolation: Interpolation, row: usize, col: usize) -> Found {
         let corners = |at: &dyn Fn(usize, usize) -> f64| [0, 1].map(|i| [0, 1].map(|j| at(row + i, col + j)));
         let weight = net(&corners(&|row, col| self.weight(row, col)).map(|line| line.to_vec()), 1.0);
+        if weight.0.max <= 0.0 {
+            return Found::NOTHING;
+        }
         let height = match interpolation {
             Interpolation::Bilinear => net(&corners(&|row, col| self.height(row, col)).map(|line| line.to_vec()), 1.0),
             Interpolation::Bicubic => {
@@ -187,7 +199,9 @@ impl Samples {
             Cells::Single(cells) => size_of_val(&cells[..]),
             Cells::Double(cells) => size_of_val(&cells[..]),
         };
-        cells + self.weights.as_ref().map_or(0, |w| size_of_val(&w[..])) + self.statistics.bytes()
+        cells
+            + self.weights.as_ref().map_or(0, |w| size_of_val(&w[..]))
+            + self.blocks.as_ref().map_or(0, Pyramid::bytes)
     }
 }
 

@@ -1,0 +1,109 @@
+//! Rays followed to the ground over quads, many at a time, so that whole blocks of points are evaluated at once.
+
+use super::line::{Hit, Line, Progress, Verdict};
+use super::quads::{Plans, Quads};
+use super::seek::Place;
+use super::tracer::{Memory, Tally};
+use crate::construction::point::WIDTH;
+
+/// A line on its way.
+struct Walker<'q, 't> {
+    index: usize,
+    progress: Progress,
+    /// Whether the next place is between two that were looked at: quads know nothing of it.
+    between: bool,
+    place: Option<Place<'q, 't>>,
+}
+
+/// Something to sort by: walkers that need the same plans stand together. The order has no influence on results.
+fn address(plans: &Plans<'_>) -> usize {
+    std::ptr::from_ref(plans).addr()
+}
+
+impl<'t> Quads<'t> {
+    /// Where lines meet the ground.
+    pub(super) fn follow(
+        &self,
+        lines: &[Option<Line>],
+        hits: &mut [Option<Hit>],
+        max_steps: u32,
+        memory: &mut Memory,
+        tally: &mut Tally,
+    ) {
+        let mut open: Vec<Walker<'_, 't>> = vec![];
+        for (index, line) in lines.iter().enumerate() {
+            hits[index] = None;
+            if let Some(line) = line {
+                open.push(Walker { index, progress: Progress::new(line.from_m), between: false, place: None });
+            }
+        }
+        while !open.is_empty() {
+            open.retain_mut(|walker| {
+                let line = lines[walker.index].as_ref().expect("walkers have lines");
+                let t = walker.progress.t_m;
+                walker.place = if walker.between {
+                    self.anywhere(line, t)
+                } else {
+                    self.seek(line, t, walker.place.as_ref(), &mut memory.scattered)
+                };
+                walker.place.is_some()
+            });
+            open.sort_unstable_by_key(|walker| {
+                (walker.place.as_ref().map_or(0, |place| address(place.home.plans)), walker.index)
+            });
+            let mut from = 0;
+            while from < open.len() {
+                from += self.step(&mut open[from..], lines, hits, max_steps, memory, tally);
+            }
+            open.retain(|walker| walker.place.is_some());
+        }
+    }
+
+    /// Evaluates one block for the first walkers, and lets them go on; those that are done lose their place. Gives how
+    /// many they were.
+    fn step(
+        &self,
+        walkers: &mut [Walker<'_, 't>],
+        lines: &[Option<Line>],
+        hits: &mut [Option<Hit>],
+        max_steps: u32,
+        memory: &mut Memory,
+        tally: &mut Tally,
+    ) -> usize {
+        let Some(plans) = walkers[0].place.as_ref().map(|place| place.home.plans) else { return 1 };
+        let same =
+            |walker: &Walker<'_, 't>| walker.place.as_ref().is_some_and(|place| std::ptr::eq(place.home.plans, plans));
+        let count = walkers.iter().take(WIDTH).take_while(|walker| same(walker)).count();
+        let Memory { scattered, places, points } = memory;
+        places.clear();
+        for walker in &walkers[..count] {
+            let (Some(line), Some(place)) = (&lines[walker.index], &walker.place) else { continue };
+            places.push(line.ray.at(place.t_m));
+        }
+        scattered.run(&plans.plain, places, points);
+        tally.evaluations += count as u64;
+        tally.blocks += 1;
+        for (walker, point) in walkers[..count].iter_mut().zip(points.iter()) {
+            let (Some(line), Some(place)) = (&lines[walker.index], &walker.place) else { continue };
+            let t = place.t_m;
+            let (height, weight) = (line.ray.elevation_m(t) - point.elevation.value, point.weight.value);
+            match walker.progress.judge(line, t, height, weight, max_steps) {
+                Verdict::Met(hit) => {
+                    tally.exhausted += u64::from(hit.lost);
+                    hits[walker.index] = Some(hit);
+                    walker.place = None;
+                }
+                Verdict::Between => walker.between = true,
+                Verdict::Free => {
+                    let free = line.free_m(&place.quad.bounds, t, height, weight);
+                    // Bounds hold in the quad alone; the shortest step may lead out of it.
+                    walker.progress.t_m = (t + free.far).min(place.exit_m.max(t + free.least));
+                    if walker.progress.t_m > line.to_m {
+                        walker.place = None;
+                    }
+                }
+            }
+        }
+        count
+    }
+}
