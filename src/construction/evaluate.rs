@@ -4,7 +4,7 @@ use super::area::Area;
 use super::operator::warp::{Matrix, Warp};
 use super::operator::{add, blend, level, replace, weigh};
 use super::plan::{Plan, StepId, Task};
-use super::point::{Block, Places, Point, WIDTH, Want};
+use super::point::{Block, COLS, Places, Point, ROWS, WIDTH, Want};
 use super::tree::{STEPS, Tree};
 use super::vectors::widest;
 use crate::error::Result;
@@ -12,10 +12,10 @@ use crate::interval::Interval;
 use crate::watch::Watch;
 use rayon::prelude::*;
 
-/// Columns of a tile unless said otherwise; a multiple of [`WIDTH`].
-const TILE_COLS: usize = 64;
+/// Columns of a tile unless said otherwise: whole blocks, and enough points for what a plan costs.
+const TILE_COLS: usize = 4 * COLS;
 /// Rows of a tile unless said otherwise.
-const TILE_ROWS: usize = 32;
+const TILE_ROWS: usize = 4 * ROWS;
 
 /// Points in rows and columns; point (row, column) lies at `(x0 + column dx, y0 + row dy)`, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,20 +103,20 @@ impl Tree {
                     let wide = tile_cols.min(cols - first_col);
                     let last = (first_row + high - 1, first_col + wide - 1);
                     let plan = self.plan(&lattice.area((first_row, first_col), last), want);
-                    for row in 0..high {
-                        for col in (0..wide).step_by(WIDTH) {
-                            let count = WIDTH.min(wide - col);
-                            let at = row * cols + first_col + col;
-                            work.places.fill(lattice, first_row + row, first_col + col, count, &plan);
-                            let points = &mut values[at..at + count];
-                            if work.run(&plan) {
-                                for (k, value) in points.iter_mut().enumerate() {
-                                    let point =
-                                        if gradient { work.out.get::<true>(k) } else { work.out.get::<false>(k) };
-                                    *value = make(&point);
+                    for row in (0..high).step_by(ROWS) {
+                        for col in (0..wide).step_by(COLS) {
+                            let size = (ROWS.min(high - row), COLS.min(wide - col));
+                            work.places.fill(lattice, (first_row + row, first_col + col), size, &plan);
+                            let found = work.run(&plan);
+                            for (r, line) in values[row * cols..].chunks_mut(cols).take(size.0).enumerate() {
+                                let points = &mut line[first_col + col..][..size.1];
+                                if !found {
+                                    points.fill(make(&Point::NOTHING));
+                                } else if gradient {
+                                    work.out.map_row::<true, T>(r, points, &make);
+                                } else {
+                                    work.out.map_row::<false, T>(r, points, &make);
                                 }
-                            } else {
-                                points.fill(make(&Point::NOTHING));
                             }
                         }
                     }
@@ -128,23 +128,42 @@ impl Tree {
     }
 }
 
+impl Block {
+    /// Makes something of each point of a row.
+    fn map_row<const GRADIENT: bool, T>(&self, row: usize, out: &mut [T], make: &impl Fn(&Point) -> T) {
+        widest(
+            #[inline(always)]
+            || {
+                for (k, value) in out.iter_mut().take(COLS).enumerate() {
+                    *value = make(&self.get::<GRADIENT>(row * COLS + k));
+                }
+            },
+        );
+    }
+}
+
 impl Places {
-    /// Sets the places of `count` points of a row; the block's rest repeats the last.
-    fn fill(&mut self, lattice: &Lattice, row: usize, col: usize, count: usize, plan: &Plan<'_>) {
-        for k in 0..WIDTH {
-            let [x, y] = lattice.at(row, col + k.min(count - 1));
-            self.x[k] = x;
-            self.y[k] = y;
-            let kappa = plan.detail.at([x, y]);
-            [self.kappa[0][k], self.kappa[1][k], self.kappa[2][k]] = [kappa.value, kappa.dx, kappa.dy];
+    /// Sets the places of some rows and columns of a lattice from a row and a column on; columns beyond the last repeat
+    /// it.
+    fn fill(&mut self, lattice: &Lattice, (row, col): (usize, usize), (rows, cols): (usize, usize), plan: &Plan<'_>) {
+        let xs: [f64; COLS] = std::array::from_fn(|k| lattice.at(row, col + k.min(cols - 1))[0]);
+        for r in 0..rows {
+            let y = lattice.at(row + r, col)[1];
+            for (k, &x) in xs.iter().enumerate() {
+                let at = r * COLS + k;
+                (self.x[at], self.y[at]) = (x, y);
+                let kappa = plan.detail.at([x, y]);
+                [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
+            }
         }
-        self.area = lattice.area((row, col), (row, col + count - 1));
+        self.area = lattice.area((row, col), (row + rows - 1, col + cols - 1));
+        (self.rows, self.crossing) = (rows, true);
     }
 }
 
 impl Default for Places {
     fn default() -> Self {
-        Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY }
+        Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY, rows: 1, crossing: false }
     }
 }
 
@@ -156,19 +175,32 @@ struct Work {
     scratch: Scratch,
 }
 
+/// Places in the frame of a warp, with the Jacobians of the way there.
+type Frame = (Box<Places>, Vec<Matrix>);
+
 /// Blocks for results on the way, kept from block to block.
 #[derive(Default)]
 struct Scratch {
     #[expect(clippy::vec_box, reason = "blocks are handed out and taken back, not copied")]
     blocks: Vec<Box<Block>>,
+    /// Places in the frames of warps, with the Jacobians of the way there.
+    frames: Vec<Frame>,
     /// Results of steps that several others ask for: none yet, nothing, or a block.
     known: Vec<Option<Option<Box<Block>>>>,
 }
 
 impl Scratch {
-    /// A block with anything in it.
+    /// A block with anything in it; not inlined for the same reason as [`Scratch::take_frame`].
+    #[inline(never)]
     fn take(&mut self) -> Box<Block> {
         self.blocks.pop().unwrap_or_default()
+    }
+
+    /// Memory for places in another frame, with anything in it. Not inlined, so that what is made on the way takes no
+    /// room on the stack of trees that are deep.
+    #[inline(never)]
+    fn take_frame(&mut self) -> Frame {
+        self.frames.pop().unwrap_or_else(|| (Box::default(), vec![[[0.0; 2]; 2]; WIDTH]))
     }
 
     fn give(&mut self, block: Box<Block>) {
@@ -202,7 +234,7 @@ impl Plan<'_> {
         match &scratch.known[id as usize] {
             Some(None) => return false,
             Some(Some(block)) => {
-                out.clone_from(block.as_ref());
+                out.copy(block, places.count(), step.want.gradient);
                 return true;
             }
             None => {}
@@ -210,7 +242,7 @@ impl Plan<'_> {
         let found = self.fresh(id, places, out, scratch);
         let copy = found.then(|| {
             let mut block = scratch.take();
-            (*block).clone_from(out);
+            block.copy(out, places.count(), step.want.gradient);
             block
         });
         scratch.known[id as usize] = Some(copy);
@@ -221,18 +253,21 @@ impl Plan<'_> {
     fn settled(&self, id: Option<StepId>, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
         let found = id.is_some_and(|id| self.block(id, places, out, scratch));
         if !found {
-            out.clear();
+            out.clear(places.count(), true);
         }
         found
     }
 
     fn fresh(&self, id: StepId, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
         let step = &self.steps[id as usize];
-        let gradient = step.want.gradient;
+        let (gradient, count) = (step.want.gradient, places.count());
         match &step.task {
             Task::Leaf(primitive) => {
-                primitive.block(places, step.want, out);
-                true
+                let seen = !primitive.misses(&places.area);
+                if seen {
+                    primitive.block(places, step.want, out);
+                }
+                seen
             }
             Task::Blend(range) => {
                 let mut child = scratch.take();
@@ -240,14 +275,14 @@ impl Plan<'_> {
                 for &operand in &self.operands[range.clone()] {
                     if self.block(operand, places, &mut child, scratch) {
                         if !found {
-                            out.clear();
+                            out.clear(count, gradient);
                         }
                         found = true;
                         run(gradient, |with| {
                             if with {
-                                blend::gather_block::<true>(out, &child)
+                                blend::gather_block::<true>(out, &child, count)
                             } else {
-                                blend::gather_block::<false>(out, &child)
+                                blend::gather_block::<false>(out, &child, count)
                             }
                         });
                     }
@@ -255,7 +290,11 @@ impl Plan<'_> {
                 scratch.give(child);
                 if found {
                     run(gradient, |with| {
-                        if with { blend::divide_block::<true>(out) } else { blend::divide_block::<false>(out) }
+                        if with {
+                            blend::divide_block::<true>(out, count)
+                        } else {
+                            blend::divide_block::<false>(out, count)
+                        }
                     });
                 }
                 found
@@ -288,7 +327,7 @@ impl Plan<'_> {
                         let _ = self.settled(id, &stepped(places, STEPS[i]), &mut block, scratch);
                         steps.push(block);
                     }
-                    for k in 0..WIDTH {
+                    for k in 0..count {
                         let guide = guides.get::<true>(k);
                         let at = |i: usize| steps[i].get::<true>(k);
                         let around = (steps.len() == 4).then(|| [at(0), at(1), at(2), at(3)]);
@@ -330,11 +369,11 @@ impl Plan<'_> {
                 #[inline(always)]
                 || {
                     if gradient {
-                        for k in 0..WIDTH {
+                        for k in 0..places.count() {
                             out.set::<true>(k, combine(k, out.get::<true>(k), other.get::<true>(k)));
                         }
                     } else {
-                        for k in 0..WIDTH {
+                        for k in 0..places.count() {
                             out.set::<false>(k, combine(k, out.get::<false>(k), other.get::<false>(k)));
                         }
                     }
@@ -354,12 +393,13 @@ impl Plan<'_> {
         scratch: &mut Scratch,
         gradient: bool,
     ) -> bool {
-        let mut inside = Box::new(Places { area: warp.image(&places.area), ..Places::default() });
-        let mut jacobians: Box<[Matrix; WIDTH]> = Box::new([[[0.0; 2]; 2]; WIDTH]);
+        let (mut inside, mut jacobians) = scratch.take_frame();
+        inside.area = warp.image(&places.area);
+        (inside.rows, inside.crossing) = (places.rows, places.crossing && warp.keeps_axes());
         widest(
             #[inline(always)]
             || {
-                for k in 0..WIDTH {
+                for k in 0..places.count() {
                     let (place, jacobian) = warp.enter(&places.get(k));
                     [inside.x[k], inside.y[k]] = place.at;
                     [inside.kappa[0][k], inside.kappa[1][k], inside.kappa[2][k]] =
@@ -368,10 +408,10 @@ impl Plan<'_> {
                 }
             },
         );
-        // Shared steps are kept by step, and each step belongs to one frame: no other places come to it.
+        // Shared results are kept by step, and each step belongs to one frame: no other places come to it.
         let found = self.block(child, &inside, out, scratch);
         if found {
-            for k in 0..WIDTH {
+            for k in 0..places.count() {
                 if gradient {
                     out.set::<true>(k, warp.leave(&jacobians[k], out.get::<true>(k)));
                 } else {
@@ -379,6 +419,7 @@ impl Plan<'_> {
                 }
             }
         }
+        scratch.frames.push((inside, jacobians));
         found
     }
 }
@@ -393,9 +434,10 @@ fn run(gradient: bool, work: impl FnOnce(bool)) {
 }
 
 /// Places a step away.
+#[inline(never)]
 fn stepped(places: &Places, [dx, dy]: [f64; 2]) -> Box<Places> {
     let mut moved = Box::new(places.clone());
-    for k in 0..WIDTH {
+    for k in 0..places.count() {
         moved.x[k] += dx;
         moved.y[k] += dy;
     }

@@ -31,5 +31,5 @@ pub use detail::Detail;
 pub use evaluate::{Lattice, Tiling};
 pub use operator::{Affine, Deformation, Ramp, Rules, Thresholds, WeightRule};
 pub use plan::Plan;
-pub use point::{Block, Place, Places, Point, WIDTH, Want};
+pub use point::{Block, COLS, Place, Places, Point, ROWS, WIDTH, Want};
 pub use tree::{Builder, NodeId, Tree};

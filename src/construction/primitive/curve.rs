@@ -5,7 +5,7 @@ use super::skeleton::{Hit, Skeleton, cross, dot};
 use super::{FallOff, Primitive};
 use crate::construction::area::{Area, Region};
 use crate::construction::bounds::Bounds;
-use crate::construction::point::{Block, Place, Places, Point, WIDTH, Want};
+use crate::construction::point::{Block, Place, Places, Point, Want};
 use crate::error::{Error, Result};
 use crate::interval::{Interval, product};
 use crate::noise::Sample;
@@ -199,7 +199,7 @@ impl Primitive for Curve {
         let mut pieces = vec![];
         let radius_m = self.fall_off.radius_m();
         self.skeleton.near(&places.area, radius_m, &mut pieces);
-        for k in 0..WIDTH {
+        for k in 0..places.count() {
             let at = [places.x[k], places.y[k]];
             let hit = self.skeleton.nearest(&pieces, at, radius_m);
             out.set::<true>(k, hit.map_or(Point::NOTHING, |hit| self.point(at, &hit)));

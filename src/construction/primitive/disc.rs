@@ -3,7 +3,7 @@
 use super::{FallOff, Primitive};
 use crate::construction::area::{Area, Region};
 use crate::construction::bounds::Bounds;
-use crate::construction::point::{Block, Place, Places, Point, WIDTH, Want};
+use crate::construction::point::{Block, COLS, Place, Places, Point, ROWS, Want, rows, rows_mut};
 use crate::construction::vectors::widest;
 use crate::error::{Error, Result};
 use crate::interval::Interval;
@@ -42,44 +42,105 @@ impl Disc {
     /// Weights, and elevations where wanted, of a block.
     #[inline(always)]
     fn fill<const GRADIENT: bool>(&self, places: &Places, elevation: bool, out: &mut Block) {
-        let (mut xs, mut ys) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for k in 0..WIDTH {
-            xs[k] = places.x[k] - self.centre[0];
-            ys[k] = places.y[k] - self.centre[1];
-        }
+        let [weight, weight_x, weight_y] = &mut out.weight;
+        let (weight, weight_x, weight_y) =
+            (rows_mut(weight, places), rows_mut(weight_x, places), rows_mut(weight_y, places));
+        let (xs, ys) = (rows(&places.x, places), rows(&places.y, places));
         match &self.fall_off {
-            None => out.weight = [[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
+            None => {
+                weight.fill([1.0; COLS]);
+                if GRADIENT {
+                    weight_x.fill([0.0; COLS]);
+                    weight_y.fill([0.0; COLS]);
+                }
+            }
             Some(fall_off) => {
-                for k in 0..WIDTH {
-                    let w = fall_off.around(xs[k], ys[k]);
-                    out.weight[0][k] = w.value;
+                for r in 0..xs.len() {
+                    let (dx, dy) = (less(&xs[r], self.centre[0]), less(&ys[r], self.centre[1]));
+                    let slopes = if fall_off.plateau_m() > 0.0 {
+                        weigh::<true>(fall_off, &dx, &dy, &mut weight[r])
+                    } else {
+                        weigh::<false>(fall_off, &dx, &dy, &mut weight[r])
+                    };
                     if GRADIENT {
-                        out.weight[1][k] = w.dx;
-                        out.weight[2][k] = w.dy;
+                        for k in 0..COLS {
+                            (weight_x[r][k], weight_y[r][k]) = (slopes[k] * dx[k], slopes[k] * dy[k]);
+                        }
                     }
                 }
             }
         }
-        if !elevation {
-            out.elevation = [[0.0; WIDTH]; 3];
-            return;
+        if elevation {
+            self.rise::<GRADIENT>(places, out);
+        } else {
+            out.elevation[0][..places.count()].fill(0.0);
+            out.elevation[1][..places.count()].fill(0.0);
+            out.elevation[2][..places.count()].fill(0.0);
         }
-        match &self.noise {
-            None => out.elevation = [[self.base_m; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
-            Some(noise) => {
-                let kappa = [&places.kappa[0][..], &places.kappa[1], &places.kappa[2]];
-                let kappa = (!noise.filters().is_empty()).then_some(kappa);
-                let [value, dx, dy] = &mut out.elevation;
-                noise.row::<GRADIENT>(&xs, &ys, kappa, Rows { value, dx, dy });
-                for value in &mut out.elevation[0] {
-                    *value += self.base_m;
+    }
+
+    /// Elevations of a block whose weights are known.
+    #[inline(always)]
+    fn rise<const GRADIENT: bool>(&self, places: &Places, out: &mut Block) {
+        let [value, dx, dy] = &mut out.elevation;
+        let (value, dx, dy) = (rows_mut(value, places), rows_mut(dx, places), rows_mut(dy, places));
+        if let Some(noise) = &self.noise {
+            let [kappa, kappa_x, kappa_y] = &places.kappa;
+            let kappa = [rows(kappa, places), rows(kappa_x, places), rows(kappa_y, places)];
+            let (xs, ys) = (rows(&places.x, places), rows(&places.y, places));
+            if places.crossing {
+                let mut heights = [0.0; ROWS];
+                for (height, ys) in heights.iter_mut().zip(ys) {
+                    *height = ys[0] - self.centre[1];
                 }
+                let xs = less(&xs[0], self.centre[0]);
+                noise.cross::<GRADIENT>(&xs, &heights[..ys.len()], kappa, Rows { value, dx, dy });
+            } else {
+                let (mut moved_x, mut moved_y) = ([[0.0; COLS]; ROWS], [[0.0; COLS]; ROWS]);
+                for r in 0..ys.len() {
+                    moved_x[r] = less(&xs[r], self.centre[0]);
+                    moved_y[r] = less(&ys[r], self.centre[1]);
+                }
+                let (xs, ys) = (&moved_x[..ys.len()], &moved_y[..ys.len()]);
+                noise.scatter::<GRADIENT>(xs, ys, kappa, Rows { value, dx, dy });
+            }
+        } else {
+            value.fill([0.0; COLS]);
+            if GRADIENT {
+                dx.fill([0.0; COLS]);
+                dy.fill([0.0; COLS]);
             }
         }
-        for k in 0..WIDTH {
+        for k in 0..places.count() {
+            out.elevation[0][k] += self.base_m;
             out.set::<GRADIENT>(k, out.get::<GRADIENT>(k).settled());
         }
     }
+}
+
+/// Coordinates of a row, counted from the centre.
+#[inline(always)]
+fn less(row: &[f64; COLS], centre: f64) -> [f64; COLS] {
+    let mut moved = *row;
+    for value in &mut moved {
+        *value -= centre;
+    }
+    moved
+}
+
+/// Weights of a row at offsets from the centre; returns their derivatives over the distance.
+#[inline(always)]
+fn weigh<const PLATEAU: bool>(
+    fall_off: &FallOff,
+    dx: &[f64; COLS],
+    dy: &[f64; COLS],
+    weight: &mut [f64; COLS],
+) -> [f64; COLS] {
+    let mut slopes = [0.0; COLS];
+    for k in 0..COLS {
+        (weight[k], slopes[k]) = fall_off.of_square::<PLATEAU>(dx[k] * dx[k] + dy[k] * dy[k]);
+    }
+    slopes
 }
 
 impl Primitive for Disc {
@@ -129,6 +190,10 @@ impl Primitive for Disc {
                 }
             },
         );
+    }
+
+    fn misses(&self, area: &Area) -> bool {
+        self.fall_off.is_some_and(|fall_off| fall_off.bounds(area.square_distances(self.centre)).0.max <= 0.0)
     }
 
     fn bytes(&self) -> usize {
