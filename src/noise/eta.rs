@@ -273,9 +273,12 @@ impl Corners {
     fn of(seed: u32, column: u32, row: u32) -> Self {
         let (near, far) = (row_hash(seed, row), row_hash(seed, row.wrapping_add(1)));
         let next = column.wrapping_add(1);
-        let at = #[inline(always)]
-        |row, column| direction(cell_hash(row, column));
-        Self([at(near, column), at(near, next), at(far, column), at(far, next)])
+        Self([
+            direction(cell_hash(near, column)),
+            direction(cell_hash(near, next)),
+            direction(cell_hash(far, column)),
+            direction(cell_hash(far, next)),
+        ])
     }
 }
 

@@ -150,9 +150,10 @@ pub fn gradient_noise<const GRADIENT: bool>(seed: u32, x: f64, y: f64) -> Sample
     let ((u, column), (v, row)) = (split(x), split(y));
     let (near, far) = (row_hash(seed, row), row_hash(seed, row.wrapping_add(1)));
     let v = Fade::of(v);
-    let line = #[inline(always)]
-    |column| Line::between(direction(cell_hash(near, column)), direction(cell_hash(far, column)), &v);
-    Cell::between(line(column), line(column.wrapping_add(1))).at::<GRADIENT>(&Fade::of(u))
+    let next = column.wrapping_add(1);
+    let left = Line::between(direction(cell_hash(near, column)), direction(cell_hash(far, column)), &v);
+    let right = Line::between(direction(cell_hash(near, next)), direction(cell_hash(far, next)), &v);
+    Cell::between(left, right).at::<GRADIENT>(&Fade::of(u))
 }
 
 #[cfg(test)]

@@ -41,6 +41,15 @@ pub struct Rows<'a> {
     pub dy: &'a mut [[f64; COLS]],
 }
 
+/// Where the points are.
+#[derive(Clone, Copy)]
+enum Points<'a> {
+    /// Where columns and rows cross.
+    Crossing(&'a [f64; COLS], &'a [f64]),
+    /// Anywhere.
+    Scattered(&'a [[f64; COLS]], &'a [[f64; COLS]]),
+}
+
 /// Levels of detail of rows of points, with their derivatives.
 pub type Levels<'a> = [&'a [[f64; COLS]]; 3];
 
@@ -133,13 +142,6 @@ impl NoiseSum {
         &self.filters
     }
 
-    /// What share of octave `i` shows at a level of detail, if it is filtered.
-    #[inline(always)]
-    fn share(&self, i: usize, kappa: Sample) -> Option<Sample> {
-        let (value, slope) = self.filters.get(i)?.share(kappa.value);
-        Some(Sample { value, dx: slope * kappa.dx, dy: slope * kappa.dy })
-    }
-
     /// The sum at `(x, y)`, with its gradient; `kappa` is the level of detail there, of use to filters alone.
     ///
     /// Where the sum has a crease (turbulence, ridges) the gradient is that of one side.
@@ -148,7 +150,14 @@ impl NoiseSum {
         for (i, octave) in self.octaves.iter().enumerate() {
             let (x, y) = (x * octave.frequency + octave.shift[0], y * octave.frequency + octave.shift[1]);
             let n = gradient_noise::<true>(octave.seed, x, y);
-            step::<true>(self.kind, i == 0, octave, self.share(i, kappa), n, &mut state);
+            step::<true>(
+                self.kind,
+                i == 0,
+                octave,
+                self.filters.get(i).map(|filter| filter.sample(kappa)),
+                n,
+                &mut state,
+            );
         }
         state.sum
     }
@@ -162,9 +171,7 @@ impl NoiseSum {
     /// When there are not as many rows of results, or of levels where there are filters, as heights.
     #[inline(always)]
     pub fn cross<const GRADIENT: bool>(&self, xs: &[f64; COLS], ys: &[f64], kappa: Levels<'_>, out: Rows<'_>) {
-        let fill = #[inline(always)]
-        |eta: &mut Eta, octave: &Octave, from, to| eta.cross::<GRADIENT>(octave, xs, &ys[from..to]);
-        self.rows::<GRADIENT>(ys.len(), kappa, out, fill);
+        self.rows::<GRADIENT>(Points::Crossing(xs, ys), ys.len(), kappa, out);
     }
 
     /// The sum at rows of any points, the same to the bit as [`NoiseSum::at`]; see [`NoiseSum::cross`].
@@ -180,22 +187,12 @@ impl NoiseSum {
         out: Rows<'_>,
     ) {
         assert_eq!(xs.len(), ys.len(), "as many rows of x as of y");
-        let fill = #[inline(always)]
-        |eta: &mut Eta, octave: &Octave, from: usize, to: usize| {
-            eta.scatter::<GRADIENT>(octave, &xs[from..to], &ys[from..to]);
-        };
-        self.rows::<GRADIENT>(xs.len(), kappa, out, fill);
+        self.rows::<GRADIENT>(Points::Scattered(xs, ys), xs.len(), kappa, out);
     }
 
-    /// Rows of the sum; `fill` sets the noise of an octave from a row to another, at most [`ROWS`].
+    /// Rows of the sum.
     #[inline(always)]
-    fn rows<const GRADIENT: bool>(
-        &self,
-        count: usize,
-        kappa: Levels<'_>,
-        out: Rows<'_>,
-        fill: impl Fn(&mut Eta, &Octave, usize, usize),
-    ) {
+    fn rows<const GRADIENT: bool>(&self, points: Points<'_>, count: usize, kappa: Levels<'_>, out: Rows<'_>) {
         let Rows { value, dx, dy } = out;
         if self.octaves.is_empty() {
             for rows in [value, dx, dy] {
@@ -214,26 +211,24 @@ impl NoiseSum {
                 signal: [[[0.0; COLS]; ROWS]; 3],
             };
             for (i, octave) in self.octaves.iter().enumerate() {
-                fill(&mut eta, octave, from, to);
+                match points {
+                    Points::Crossing(xs, ys) => eta.cross::<GRADIENT>(octave, xs, &ys[from..to]),
+                    Points::Scattered(xs, ys) => eta.scatter::<GRADIENT>(octave, &xs[from..to], &ys[from..to]),
+                }
                 // Each kind a loop of its own.
-                let whole = #[inline(always)]
-                |_, _| None;
                 match (self.kind, self.filters.get(i)) {
                     (NoiseKind::Fractal, None) => {
-                        sums.add::<GRADIENT>(NoiseKind::Fractal, i == 0, octave, &eta, whole);
+                        sums.add::<GRADIENT>(NoiseKind::Fractal, i == 0, octave, &eta, None);
                     }
                     (NoiseKind::Turbulence, None) => {
-                        sums.add::<GRADIENT>(NoiseKind::Turbulence, i == 0, octave, &eta, whole);
+                        sums.add::<GRADIENT>(NoiseKind::Turbulence, i == 0, octave, &eta, None);
                     }
-                    (ridged, None) if i == 0 => sums.add::<GRADIENT>(ridged, true, octave, &eta, whole),
-                    (ridged, None) => sums.add::<GRADIENT>(ridged, false, octave, &eta, whole),
-                    (kind, Some(_)) => {
-                        let at = #[inline(always)]
-                        |j: usize, r: usize, k: usize| kappa[j][from + r][k];
-                        let share =
-                            #[inline(always)]
-                            |r, k| self.share(i, Sample { value: at(0, r, k), dx: at(1, r, k), dy: at(2, r, k) });
-                        sums.add::<GRADIENT>(kind, i == 0, octave, &eta, share);
+                    (ridged, None) if i == 0 => sums.add::<GRADIENT>(ridged, true, octave, &eta, None),
+                    (ridged, None) => sums.add::<GRADIENT>(ridged, false, octave, &eta, None),
+                    (kind, Some(filter)) => {
+                        let [value, dx, dy] = kappa;
+                        let kappa = [&value[from..to], &dx[from..to], &dy[from..to]];
+                        sums.add::<GRADIENT>(kind, i == 0, octave, &eta, Some((filter, kappa)));
                     }
                 }
             }
@@ -258,7 +253,7 @@ impl Sums<'_> {
         first: bool,
         octave: &Octave,
         eta: &Eta,
-        share: impl Fn(usize, usize) -> Option<Sample>,
+        filter: Option<(&Filter, Levels<'_>)>,
     ) {
         let octave = *octave;
         for r in 0..self.value.len() {
@@ -274,18 +269,20 @@ impl Sums<'_> {
                 }
             }
             for k in 0..COLS {
-                let slope = #[inline(always)]
-                |row: &[f64; COLS]| if GRADIENT { row[k] } else { 0.0 };
-                let mut state = State {
-                    sum: Sample { value: sum[k], dx: slope(sum_x), dy: slope(sum_y) },
-                    signal: Sample { value: signal[k], dx: slope(signal_x), dy: slope(signal_y) },
+                let (mut state, mut n) = (State::default(), Sample { value: n[k], dx: 0.0, dy: 0.0 });
+                (state.sum.value, state.signal.value) = (sum[k], signal[k]);
+                if GRADIENT {
+                    (n.dx, n.dy) = (nx[k], ny[k]);
+                    (state.sum.dx, state.sum.dy) = (sum_x[k], sum_y[k]);
+                    (state.signal.dx, state.signal.dy) = (signal_x[k], signal_y[k]);
+                }
+                let share = match filter {
+                    None => None,
+                    Some((filter, [value, dx, dy])) => {
+                        Some(filter.sample(Sample { value: value[r][k], dx: dx[r][k], dy: dy[r][k] }))
+                    }
                 };
-                let n = if GRADIENT {
-                    Sample { value: n[k], dx: nx[k], dy: ny[k] }
-                } else {
-                    Sample { value: n[k], dx: 0.0, dy: 0.0 }
-                };
-                step::<GRADIENT>(kind, first, &octave, share(r, k), n, &mut state);
+                step::<GRADIENT>(kind, first, &octave, share, n, &mut state);
                 sum[k] = state.sum.value;
                 if matches!(kind, NoiseKind::Ridged { .. }) {
                     signal[k] = state.signal.value;
