@@ -278,41 +278,80 @@ impl Plan<'_> {
                             out.clear(count, gradient);
                         }
                         found = true;
-                        run(gradient, |with| {
-                            if with {
-                                blend::gather_block::<true>(out, &child, count)
-                            } else {
-                                blend::gather_block::<false>(out, &child, count)
-                            }
-                        });
+                        run(
+                            gradient,
+                            #[inline(always)]
+                            |with| {
+                                if with {
+                                    blend::gather_block::<true>(out, &child, count)
+                                } else {
+                                    blend::gather_block::<false>(out, &child, count)
+                                }
+                            },
+                        );
                     }
                 }
                 scratch.give(child);
                 if found {
-                    run(gradient, |with| {
-                        if with {
-                            blend::divide_block::<true>(out, count)
-                        } else {
-                            blend::divide_block::<false>(out, count)
-                        }
-                    });
+                    run(
+                        gradient,
+                        #[inline(always)]
+                        |with| {
+                            if with {
+                                blend::divide_block::<true>(out, count)
+                            } else {
+                                blend::divide_block::<false>(out, count)
+                            }
+                        },
+                    );
                 }
                 found
             }
-            Task::Replace(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
-                if gradient { replace::replace::<true>(*rule, a, b) } else { replace::replace::<false>(*rule, a, b) }
-            }),
-            Task::Add(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
-                if gradient { add::add::<true>(*rule, a, b) } else { add::add::<false>(*rule, a, b) }
-            }),
-            Task::Level(thresholds, a, b) => self.pair(*a, *b, places, out, scratch, gradient, |k, a, b| {
-                let kappa = places.get(k).kappa;
-                if gradient {
-                    level::mix::<true>(thresholds, kappa, a, b)
-                } else {
-                    level::mix::<false>(thresholds, kappa, a, b)
-                }
-            }),
+            Task::Replace(rule, a, b) => self.pair(
+                *a,
+                Some(*b),
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |_, a, b| {
+                    if gradient {
+                        replace::replace::<true>(*rule, a, b)
+                    } else {
+                        replace::replace::<false>(*rule, a, b)
+                    }
+                },
+            ),
+            Task::Add(rule, a, b) => self.pair(
+                *a,
+                Some(*b),
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |_, a, b| {
+                    if gradient { add::add::<true>(*rule, a, b) } else { add::add::<false>(*rule, a, b) }
+                },
+            ),
+            Task::Level(thresholds, a, b) => self.pair(
+                *a,
+                *b,
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |k, a, b| {
+                    let kappa = places.get(k).kappa;
+                    if gradient {
+                        level::mix::<true>(thresholds, kappa, a, b)
+                    } else {
+                        level::mix::<false>(thresholds, kappa, a, b)
+                    }
+                },
+            ),
             Task::Warp(warp, child) => self.warped(warp, *child, places, out, scratch, gradient),
             Task::Weigh(rules, child, guide, around) => {
                 if !self.block(*child, places, out, scratch) {

@@ -18,11 +18,13 @@ const FEW: usize = 8;
 /// A row with room for the lanes beyond its end.
 const PADDED: usize = COLS + LANES;
 
-/// eta at rows of points, with its derivatives by lattice units.
+/// eta at rows of points, with its derivatives by lattice units, and memory for the way there.
 pub(super) struct Eta {
     pub(super) value: [[f64; PADDED]; ROWS],
     pub(super) dx: [[f64; PADDED]; ROWS],
     pub(super) dy: [[f64; PADDED]; ROWS],
+    columns: Columns,
+    lines: Lines,
 }
 
 /// Where columns of points lie in the lattice.
@@ -52,40 +54,27 @@ struct Lines {
 struct Corners([(f64, f64); 4]);
 
 impl Eta {
-    #[inline(always)]
-    pub(super) fn new() -> Self {
-        let zeros = [[0.0; PADDED]; ROWS];
-        Self { value: zeros, dx: zeros, dy: zeros }
-    }
-
     /// The octave where `xs` and the first few of [`ROWS`] heights `ys` cross.
     #[inline(always)]
     pub(super) fn cross<const GRADIENT: bool>(&mut self, octave: &Octave, xs: &[f64; COLS], ys: &[f64]) {
-        let columns = Columns::of(octave, xs);
+        self.columns.set(octave, xs);
+        let columns = &self.columns;
         let heights = Heights::of(octave, ys);
         // Points go left or right.
         let (first, last) = (columns.index[0], columns.index[COLS - 1]);
         let base = if (last.wrapping_sub(first) as i32) < 0 { last } else { first };
         let furthest = columns.index.iter().fold(0, |most, index| index.wrapping_sub(base).max(most));
         if (furthest as usize) < FEW {
-            self.few::<GRADIENT>(octave.seed, &columns, (base, furthest as usize + 1), &heights, ys.len());
+            self.few::<GRADIENT>(octave.seed, (base, furthest as usize + 1), &heights, ys.len());
         } else {
-            self.many::<GRADIENT>(octave.seed, &columns, &heights, ys.len());
+            self.many::<GRADIENT>(octave.seed, &heights, ys.len());
         }
     }
 
     /// Points that share a few cells, counted from `base`, along the rows.
     #[inline(always)]
-    fn few<const GRADIENT: bool>(
-        &mut self,
-        seed: u32,
-        columns: &Columns,
-        (base, cells): (u32, usize),
-        heights: &Heights,
-        rows: usize,
-    ) {
-        let zeros = [[0.0; ROWS]; FEW + 1];
-        let mut lines = Lines { g: zeros, s: zeros, g_slope: zeros, s_slope: zeros };
+    fn few<const GRADIENT: bool>(&mut self, seed: u32, (base, cells): (u32, usize), heights: &Heights, rows: usize) {
+        let Self { value, dx, dy, columns, lines } = self;
         let mut from = 0;
         while from < rows {
             let index = heights.index[from];
@@ -113,33 +102,18 @@ impl Eta {
                 let cell = Cell::between(lines.at(left, r), lines.at(left + 1, r));
                 // The next cell overwrites what lies beyond the end of this one.
                 for at in (from..to).step_by(LANES) {
-                    self.lanes::<GRADIENT>(columns, &cell, r, at);
+                    let out = [&mut value[r], &mut dx[r], &mut dy[r]];
+                    columns.lanes::<GRADIENT>(&cell, at, out);
                 }
             }
             from = to;
         }
     }
 
-    /// Points of one cell, and what comes after them.
-    #[inline(always)]
-    fn lanes<const GRADIENT: bool>(&mut self, columns: &Columns, cell: &Cell, row: usize, at: usize) {
-        let (part, share, slope) = (lanes(&columns.part, at), lanes(&columns.share, at), lanes(&columns.slope, at));
-        let value = lanes_mut(&mut self.value[row], at);
-        for k in 0..LANES {
-            value[k] = cell.at::<false>(&Fade { part: part[k], share: share[k], slope: 0.0 }).value;
-        }
-        if GRADIENT {
-            let (dx, dy) = (lanes_mut(&mut self.dx[row], at), lanes_mut(&mut self.dy[row], at));
-            for k in 0..LANES {
-                let found = cell.at::<true>(&Fade { part: part[k], share: share[k], slope: slope[k] });
-                (dx[k], dy[k]) = (found.dx, found.dy);
-            }
-        }
-    }
-
     /// Points each of which has a cell of its own.
     #[inline(always)]
-    fn many<const GRADIENT: bool>(&mut self, seed: u32, columns: &Columns, heights: &Heights, rows: usize) {
+    fn many<const GRADIENT: bool>(&mut self, seed: u32, heights: &Heights, rows: usize) {
+        let columns = &self.columns;
         let mut corners = [[0.0; COLS]; 8];
         for r in 0..rows {
             if r == 0 || heights.index[r] != heights.index[r - 1] {
@@ -282,18 +256,47 @@ impl Corners {
     }
 }
 
+impl Default for Eta {
+    fn default() -> Self {
+        let zeros = [[0.0; PADDED]; ROWS];
+        let row = [0.0; PADDED];
+        let lines = [[0.0; ROWS]; FEW + 1];
+        Self {
+            value: zeros,
+            dx: zeros,
+            dy: zeros,
+            columns: Columns { index: [0; COLS], part: row, share: row, slope: row },
+            lines: Lines { g: lines, s: lines, g_slope: lines, s_slope: lines },
+        }
+    }
+}
+
 impl Columns {
     #[inline(always)]
-    fn of(octave: &Octave, xs: &[f64; COLS]) -> Self {
-        let zeros = [0.0; PADDED];
-        let mut found = Self { index: [0; COLS], part: zeros, share: zeros, slope: zeros };
+    fn set(&mut self, octave: &Octave, xs: &[f64; COLS]) {
         for k in 0..COLS {
             let (part, index) = split(xs[k] * octave.frequency + octave.shift[0]);
             let fade = Fade::of(part);
-            found.index[k] = index;
-            (found.part[k], found.share[k], found.slope[k]) = (part, fade.share, fade.slope);
+            self.index[k] = index;
+            (self.part[k], self.share[k], self.slope[k]) = (part, fade.share, fade.slope);
         }
-        found
+    }
+
+    /// Points of one cell, and what comes after them: values, and derivatives by x and by y.
+    #[inline(always)]
+    fn lanes<const GRADIENT: bool>(&self, cell: &Cell, at: usize, [value, dx, dy]: [&mut [f64; PADDED]; 3]) {
+        let (part, share) = (lanes(&self.part, at), lanes(&self.share, at));
+        let value = lanes_mut(value, at);
+        for k in 0..LANES {
+            value[k] = cell.at::<false>(&Fade { part: part[k], share: share[k], slope: 0.0 }).value;
+        }
+        if GRADIENT {
+            let (slope, dx, dy) = (lanes(&self.slope, at), lanes_mut(dx, at), lanes_mut(dy, at));
+            for k in 0..LANES {
+                let found = cell.at::<true>(&Fade { part: part[k], share: share[k], slope: slope[k] });
+                (dx[k], dy[k]) = (found.dx, found.dy);
+            }
+        }
     }
 }
 

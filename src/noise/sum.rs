@@ -3,6 +3,7 @@
 use super::eta::{COLS, Eta, ROWS};
 use super::gradient::gradient_noise;
 use super::{Filter, Octave, Sample};
+use std::cell::Cell;
 
 /// How octaves are added.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,14 +202,15 @@ impl NoiseSum {
             return;
         }
         assert!(value.len() == count && dx.len() == count && dy.len() == count, "one row of results a row");
-        let mut eta = Eta::new();
+        let mut room = ROOM.take().unwrap_or_default();
+        let Room { eta, signal } = room.as_mut();
         for from in (0..count).step_by(ROWS) {
             let to = count.min(from + ROWS);
             let mut sums = Sums {
                 value: &mut value[from..to],
                 dx: &mut dx[from..to],
                 dy: &mut dy[from..to],
-                signal: [[[0.0; COLS]; ROWS]; 3],
+                signal: &mut *signal,
             };
             for (i, octave) in self.octaves.iter().enumerate() {
                 match points {
@@ -218,21 +220,22 @@ impl NoiseSum {
                 // Each kind a loop of its own.
                 match (self.kind, self.filters.get(i)) {
                     (NoiseKind::Fractal, None) => {
-                        sums.add::<GRADIENT>(NoiseKind::Fractal, i == 0, octave, &eta, None);
+                        sums.add::<GRADIENT>(NoiseKind::Fractal, i == 0, octave, eta, None);
                     }
                     (NoiseKind::Turbulence, None) => {
-                        sums.add::<GRADIENT>(NoiseKind::Turbulence, i == 0, octave, &eta, None);
+                        sums.add::<GRADIENT>(NoiseKind::Turbulence, i == 0, octave, eta, None);
                     }
-                    (ridged, None) if i == 0 => sums.add::<GRADIENT>(ridged, true, octave, &eta, None),
-                    (ridged, None) => sums.add::<GRADIENT>(ridged, false, octave, &eta, None),
+                    (ridged, None) if i == 0 => sums.add::<GRADIENT>(ridged, true, octave, eta, None),
+                    (ridged, None) => sums.add::<GRADIENT>(ridged, false, octave, eta, None),
                     (kind, Some(filter)) => {
                         let [value, dx, dy] = kappa;
                         let kappa = [&value[from..to], &dx[from..to], &dy[from..to]];
-                        sums.add::<GRADIENT>(kind, i == 0, octave, &eta, Some((filter, kappa)));
+                        sums.add::<GRADIENT>(kind, i == 0, octave, eta, Some((filter, kappa)));
                     }
                 }
             }
         }
+        ROOM.set(Some(room));
     }
 }
 
@@ -241,7 +244,23 @@ struct Sums<'a> {
     value: &'a mut [[f64; COLS]],
     dx: &'a mut [[f64; COLS]],
     dy: &'a mut [[f64; COLS]],
+    signal: &'a mut [[[f64; COLS]; ROWS]; 3],
+}
+
+/// Memory of one thread for rows of points, kept because clearing it would take as long as an octave.
+struct Room {
+    eta: Eta,
     signal: [[[f64; COLS]; ROWS]; 3],
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { eta: Eta::default(), signal: [[[0.0; COLS]; ROWS]; 3] }
+    }
+}
+
+thread_local! {
+    static ROOM: Cell<Option<Box<Room>>> = const { Cell::new(None) };
 }
 
 impl Sums<'_> {
@@ -258,7 +277,7 @@ impl Sums<'_> {
         let octave = *octave;
         for r in 0..self.value.len() {
             let sum = &mut self.value[r];
-            let [signal, signal_x, signal_y] = &mut self.signal;
+            let [signal, signal_x, signal_y] = &mut *self.signal;
             let (signal, signal_x, signal_y) = (&mut signal[r], &mut signal_x[r], &mut signal_y[r]);
             let (sum_x, sum_y) = (&mut self.dx[r], &mut self.dy[r]);
             let (n, nx, ny) = (&eta.value[r], &eta.dx[r], &eta.dy[r]);
