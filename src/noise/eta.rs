@@ -38,7 +38,9 @@ struct Columns {
 /// Where rows of points lie in the lattice.
 struct Heights {
     index: [u32; ROWS],
-    fade: [Fade; ROWS],
+    part: [f64; ROWS],
+    share: [f64; ROWS],
+    slope: [f64; ROWS],
 }
 
 /// Neighbouring lattice columns at each of the rows.
@@ -83,12 +85,10 @@ impl Eta {
             for k in 0..=cells {
                 let column = base.wrapping_add(k as u32);
                 let (below, above) = (direction(cell_hash(near, column)), direction(cell_hash(far, column)));
-                for r in from..to {
-                    let line = Line::between(below, above, &heights.fade[r]);
-                    (lines.g[k][r], lines.s[k][r]) = (line.g, line.s);
-                    if GRADIENT {
-                        (lines.g_slope[k][r], lines.s_slope[k][r]) = (line.g_slope, line.s_slope);
-                    }
+                if to - from == ROWS {
+                    lines.set::<GRADIENT>(k, (below, above), heights, 0, ROWS);
+                } else {
+                    lines.set::<GRADIENT>(k, (below, above), heights, from, to);
                 }
             }
             from = to;
@@ -100,10 +100,16 @@ impl Eta {
             let left = (index.wrapping_sub(base) as usize).min(FEW - 1);
             for r in 0..rows {
                 let cell = Cell::between(lines.at(left, r), lines.at(left + 1, r));
+                let mut out = [&mut value[r], &mut dx[r], &mut dy[r]];
+                if to - from == COLS {
+                    columns.lanes::<GRADIENT, COLS>(&cell, 0, &mut out);
+                    continue;
+                }
                 // The next cell overwrites what lies beyond the end of this one.
-                for at in (from..to).step_by(LANES) {
-                    let out = [&mut value[r], &mut dx[r], &mut dy[r]];
-                    columns.lanes::<GRADIENT>(&cell, at, out);
+                let mut at = from;
+                while at < to {
+                    columns.lanes::<GRADIENT, LANES>(&cell, at, &mut out);
+                    at += LANES;
                 }
             }
             from = to;
@@ -120,10 +126,10 @@ impl Eta {
                 corners = gradients(seed, &columns.index, heights.index[r]);
             }
             let [ax, ay, bx, by, cx, cy, dx, dy] = &corners;
-            let v = &heights.fade[r];
+            let v = heights.at(r);
             for k in 0..COLS {
-                let left = Line::between((ax[k], ay[k]), (cx[k], cy[k]), v);
-                let right = Line::between((bx[k], by[k]), (dx[k], dy[k]), v);
+                let left = Line::between((ax[k], ay[k]), (cx[k], cy[k]), &v);
+                let right = Line::between((bx[k], by[k]), (dx[k], dy[k]), &v);
                 let u = Fade { part: columns.part[k], share: columns.share[k], slope: columns.slope[k] };
                 let found = Cell::between(left, right).at::<GRADIENT>(&u);
                 self.value[r][k] = found.value;
@@ -284,15 +290,17 @@ impl Columns {
 
     /// Points of one cell, and what comes after them: values, and derivatives by x and by y.
     #[inline(always)]
-    fn lanes<const GRADIENT: bool>(&self, cell: &Cell, at: usize, [value, dx, dy]: [&mut [f64; PADDED]; 3]) {
-        let (part, share) = (lanes(&self.part, at), lanes(&self.share, at));
-        let value = lanes_mut(value, at);
-        for k in 0..LANES {
+    fn lanes<const GRADIENT: bool, const N: usize>(&self, cell: &Cell, at: usize, out: &mut [&mut [f64; PADDED]; 3]) {
+        let [value, dx, dy] = out;
+        let (part, share): (&[f64; N], &[f64; N]) = (lanes(&self.part, at), lanes(&self.share, at));
+        let value: &mut [f64; N] = lanes_mut(value, at);
+        for k in 0..N {
             value[k] = cell.at::<false>(&Fade { part: part[k], share: share[k], slope: 0.0 }).value;
         }
         if GRADIENT {
-            let (slope, dx, dy) = (lanes(&self.slope, at), lanes_mut(dx, at), lanes_mut(dy, at));
-            for k in 0..LANES {
+            let slope: &[f64; N] = lanes(&self.slope, at);
+            let (dx, dy): (&mut [f64; N], &mut [f64; N]) = (lanes_mut(dx, at), lanes_mut(dy, at));
+            for k in 0..N {
                 let found = cell.at::<true>(&Fade { part: part[k], share: share[k], slope: slope[k] });
                 (dx[k], dy[k]) = (found.dx, found.dy);
             }
@@ -303,16 +311,47 @@ impl Columns {
 impl Heights {
     #[inline(always)]
     fn of(octave: &Octave, ys: &[f64]) -> Self {
-        let mut found = Self { index: [0; ROWS], fade: [Fade::default(); ROWS] };
-        for (k, y) in ys.iter().take(ROWS).enumerate() {
-            let (part, index) = split(y * octave.frequency + octave.shift[1]);
-            (found.index[k], found.fade[k]) = (index, Fade::of(part));
+        let zeros = [0.0; ROWS];
+        let mut found = Self { index: [0; ROWS], part: zeros, share: zeros, slope: zeros };
+        let mut padded = zeros;
+        padded[..ys.len()].copy_from_slice(ys);
+        for k in 0..ROWS {
+            let (part, index) = split(padded[k] * octave.frequency + octave.shift[1]);
+            let fade = Fade::of(part);
+            found.index[k] = index;
+            (found.part[k], found.share[k], found.slope[k]) = (part, fade.share, fade.slope);
         }
         found
+    }
+
+    #[inline(always)]
+    fn at(&self, row: usize) -> Fade {
+        Fade { part: self.part[row], share: self.share[row], slope: self.slope[row] }
     }
 }
 
 impl Lines {
+    /// Sets a column at rows from one to another, which lie between two rows of the lattice.
+    #[inline(always)]
+    fn set<const GRADIENT: bool>(
+        &mut self,
+        column: usize,
+        (below, above): ((f64, f64), (f64, f64)),
+        heights: &Heights,
+        from: usize,
+        to: usize,
+    ) {
+        let (g, s) = (&mut self.g[column], &mut self.s[column]);
+        let (g_slope, s_slope) = (&mut self.g_slope[column], &mut self.s_slope[column]);
+        for r in from..to.min(ROWS) {
+            let line = Line::between(below, above, &heights.at(r));
+            (g[r], s[r]) = (line.g, line.s);
+            if GRADIENT {
+                (g_slope[r], s_slope[r]) = (line.g_slope, line.s_slope);
+            }
+        }
+    }
+
     #[inline(always)]
     fn at(&self, k: usize, row: usize) -> Line {
         Line { g: self.g[k][row], s: self.s[k][row], g_slope: self.g_slope[k][row], s_slope: self.s_slope[k][row] }
@@ -321,11 +360,11 @@ impl Lines {
 
 /// The lanes of a row from an index on.
 #[inline(always)]
-fn lanes<const N: usize>(row: &[f64; N], at: usize) -> &[f64; LANES] {
+fn lanes<const WHOLE: usize, const N: usize>(row: &[f64; WHOLE], at: usize) -> &[f64; N] {
     row[at..].first_chunk().expect("rows have room for whole vectors")
 }
 
 #[inline(always)]
-fn lanes_mut<const N: usize>(row: &mut [f64; N], at: usize) -> &mut [f64; LANES] {
+fn lanes_mut<const WHOLE: usize, const N: usize>(row: &mut [f64; WHOLE], at: usize) -> &mut [f64; N] {
     row[at..].first_chunk_mut().expect("rows have room for whole vectors")
 }

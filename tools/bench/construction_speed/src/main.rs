@@ -36,7 +36,11 @@ impl WithSimd for Rounds {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let factor = simd.splat_f64s(black_box(0.999_999_9));
         let term = simd.splat_f64s(black_box(1e-9));
+        let numbers = black_box([1.0, 1.1, 1.2, 1.3, 1.4, 1.5]);
         let (mut f, mut t) = ([factor; 6], [term; 6]);
+        for i in 0..6 {
+            (f[i], t[i]) = (simd.splat_f64s(numbers[i]), simd.splat_f64s(numbers[i]));
+        }
         for _ in 0..self.0 {
             for i in 0..6 {
                 f[i] = simd.mul_f64s(f[i], factor);
