@@ -77,7 +77,14 @@ impl Point {
     #[inline(always)]
     #[must_use]
     pub fn settled(self) -> Self {
-        if self.weight.value > 0.0 { self } else { Self::NOTHING }
+        let some = self.weight.value > 0.0;
+        let kept = |value: f64| if some { value } else { 0.0 };
+        let (f, w) = (self.elevation, self.weight);
+        Self {
+            elevation: Sample { value: kept(f.value), dx: kept(f.dx), dy: kept(f.dy) },
+            // Not `kept`: compilers would make masked stores of it, which some processors are slow at.
+            weight: Sample { value: w.value.max(0.0), dx: kept(w.dx), dy: kept(w.dy) },
+        }
     }
 }
 

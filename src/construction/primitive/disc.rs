@@ -39,6 +39,11 @@ impl Disc {
         Ok(Self { centre, base_m, noise, fall_off })
     }
 
+    /// Range of the weights over a box, and bound of their slope; 0 only where all are.
+    fn weights(&self, area: &Area) -> (Interval, f64) {
+        self.fall_off.map_or((Interval::ONE, 0.0), |fall_off| fall_off.bounds(area.square_distances(self.centre)))
+    }
+
     /// Weights, and elevations where wanted, of a block.
     #[inline(always)]
     fn fill<const GRADIENT: bool>(&self, places: &Places, elevation: bool, out: &mut Block) {
@@ -56,6 +61,15 @@ impl Disc {
             }
             Some(fall_off) => {
                 for r in 0..xs.len() {
+                    if !GRADIENT && places.crossing {
+                        let (dx, dy) = (less(&xs[0], self.centre[0]), ys[r][0] - self.centre[1]);
+                        if fall_off.plateau_m() > 0.0 {
+                            let _ = weigh::<true>(fall_off, &dx, &[dy; COLS], &mut weight[r]);
+                        } else {
+                            let _ = weigh::<false>(fall_off, &dx, &[dy; COLS], &mut weight[r]);
+                        }
+                        continue;
+                    }
                     let (dx, dy) = (less(&xs[r], self.centre[0]), less(&ys[r], self.centre[1]));
                     let slopes = if fall_off.plateau_m() > 0.0 {
                         weigh::<true>(fall_off, &dx, &dy, &mut weight[r])
@@ -111,9 +125,23 @@ impl Disc {
                 dy.fill([0.0; COLS]);
             }
         }
-        for k in 0..places.count() {
-            out.elevation[0][k] += self.base_m;
-            out.set::<GRADIENT>(k, out.get::<GRADIENT>(k).settled());
+        let inside = self.weights(&places.area).0.min > 0.0;
+        let [value, dx, dy] = &mut out.elevation;
+        let (value, dx, dy) = (rows_mut(value, places), rows_mut(dx, places), rows_mut(dy, places));
+        for (r, weight) in rows(&out.weight[0], places).iter().enumerate() {
+            for k in 0..COLS {
+                value[r][k] += self.base_m;
+            }
+            // Where the weight is 0, so are its derivatives.
+            if !inside {
+                for k in 0..COLS {
+                    let kept = if weight[k] > 0.0 { 1.0 } else { 0.0 };
+                    value[r][k] *= kept;
+                    if GRADIENT {
+                        (dx[r][k], dy[r][k]) = (dx[r][k] * kept, dy[r][k] * kept);
+                    }
+                }
+            }
         }
     }
 }
@@ -149,10 +177,7 @@ impl Primitive for Disc {
     }
 
     fn bounds(&self, region: &Region) -> Bounds {
-        let (weight, weight_slope) = match &self.fall_off {
-            None => (Interval::ONE, 0.0),
-            Some(fall_off) => fall_off.bounds(region.area.square_distances(self.centre)),
-        };
+        let (weight, weight_slope) = self.weights(&region.area);
         let (range, slope) = match &self.noise {
             None => (Interval::ZERO, 0.0),
             Some(noise) => {
@@ -193,7 +218,7 @@ impl Primitive for Disc {
     }
 
     fn misses(&self, area: &Area) -> bool {
-        self.fall_off.is_some_and(|fall_off| fall_off.bounds(area.square_distances(self.centre)).0.max <= 0.0)
+        self.weights(area).0.max <= 0.0
     }
 
     fn bytes(&self) -> usize {
