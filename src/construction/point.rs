@@ -7,7 +7,7 @@ use crate::noise::Sample;
 pub const COLS: usize = crate::noise::COLS;
 
 /// Rows of a block, at most.
-pub const ROWS: usize = 16;
+pub const ROWS: usize = 12;
 
 /// Points of a block, at most: few enough that the blocks a node works on stay in the processor's first cache.
 pub const WIDTH: usize = COLS * ROWS;

@@ -29,7 +29,7 @@ impl NoiseSum {
     /// paper, section 7.3.1, divides by `s_i`, which are frequencies). For ridges, with `r_i = offset - |eta_i|`:
     /// `|grad S_i| <= 2 |r_i| W_i s_i SLOPE + r_i² gain |grad S_{i-1}|`.
     fn bounds_of(&self, (kappa, kappa_slope): (Interval, f64), eta: impl Fn(&Octave) -> Interval) -> (Interval, f64) {
-        let (mut range, mut slope) = (Interval::ZERO, 0.0);
+        let (mut range, mut slope) = (Interval::point(self.base()), 0.0);
         let (mut signal, mut signal_slope) = (Interval::ZERO, 0.0);
         for (i, octave) in self.octaves().iter().enumerate() {
             let (eta, steep) = (eta(octave), SLOPE * octave.frequency.abs());

@@ -10,7 +10,7 @@ use crate::rng::{cell_hash, row_hash};
 /// Points of a row that go through all steps together.
 pub const COLS: usize = 32;
 /// Rows that go through an octave together.
-pub(super) const ROWS: usize = 16;
+pub(super) const ROWS: usize = 12;
 /// Points of a vector, as many as the widest processors take at once.
 const LANES: usize = 8;
 /// Lattice cells along a row, up to which points share their cells.

@@ -26,6 +26,7 @@ pub enum NoiseKind {
 /// A sum of octaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseSum {
+    base: f64,
     kind: NoiseKind,
     octaves: Vec<Octave>,
     filters: Vec<Filter>,
@@ -114,7 +115,18 @@ fn step<const GRADIENT: bool>(
 impl NoiseSum {
     /// A sum of octaves, coarsest first.
     pub fn new(kind: NoiseKind, octaves: Vec<Octave>) -> Self {
-        Self { kind, octaves, filters: vec![] }
+        Self { base: 0.0, kind, octaves, filters: vec![] }
+    }
+
+    /// The sum that begins with a number: the elevation around which the noise goes up and down.
+    #[must_use]
+    pub fn with_base(self, base: f64) -> Self {
+        Self { base, ..self }
+    }
+
+    /// The number that the sum begins with, 0 unless said otherwise.
+    pub fn base(&self) -> f64 {
+        self.base
     }
 
     /// The sum whose octaves set in with the level of detail, one filter an octave.
@@ -148,6 +160,7 @@ impl NoiseSum {
     /// Where the sum has a crease (turbulence, ridges) the gradient is that of one side.
     pub fn at(&self, x: f64, y: f64, kappa: Sample) -> Sample {
         let mut state = State::default();
+        state.sum.value = self.base;
         for (i, octave) in self.octaves.iter().enumerate() {
             let (x, y) = (x * octave.frequency + octave.shift[0], y * octave.frequency + octave.shift[1]);
             let n = gradient_noise::<true>(octave.seed, x, y);
@@ -196,9 +209,9 @@ impl NoiseSum {
     fn rows<const GRADIENT: bool>(&self, points: Points<'_>, count: usize, kappa: Levels<'_>, out: Rows<'_>) {
         let Rows { value, dx, dy } = out;
         if self.octaves.is_empty() {
-            for rows in [value, dx, dy] {
-                rows.fill([0.0; COLS]);
-            }
+            value.fill([self.base; COLS]);
+            dx.fill([0.0; COLS]);
+            dy.fill([0.0; COLS]);
             return;
         }
         assert!(value.len() == count && dx.len() == count && dy.len() == count, "one row of results a row");
@@ -207,6 +220,7 @@ impl NoiseSum {
         for from in (0..count).step_by(ROWS) {
             let to = count.min(from + ROWS);
             let mut sums = Sums {
+                base: self.base,
                 value: &mut value[from..to],
                 dx: &mut dx[from..to],
                 dy: &mut dy[from..to],
@@ -241,6 +255,7 @@ impl NoiseSum {
 
 /// Sums and signals of up to [`ROWS`] rows of points.
 struct Sums<'a> {
+    base: f64,
     value: &'a mut [[f64; COLS]],
     dx: &'a mut [[f64; COLS]],
     dy: &'a mut [[f64; COLS]],
@@ -282,7 +297,7 @@ impl Sums<'_> {
             let (sum_x, sum_y) = (&mut self.dx[r], &mut self.dy[r]);
             let (n, nx, ny) = (&eta.value[r], &eta.dx[r], &eta.dy[r]);
             if first {
-                *sum = [0.0; COLS];
+                *sum = [self.base; COLS];
                 if GRADIENT {
                     (*sum_x, *sum_y) = ([0.0; COLS], [0.0; COLS]);
                 }

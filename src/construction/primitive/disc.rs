@@ -36,6 +36,7 @@ impl Disc {
         if !(centre[0].is_finite() && centre[1].is_finite() && base_m.is_finite() && sound) {
             return Err(Error::usage("a disc needs finite coordinates, elevation, amplitudes and wavelengths"));
         }
+        let noise = noise.map(|noise| noise.with_base(base_m));
         Ok(Self { centre, base_m, noise, fall_off })
     }
 
@@ -119,27 +120,24 @@ impl Disc {
                 noise.scatter::<GRADIENT>(xs, ys, kappa, Rows { value, dx, dy });
             }
         } else {
-            value.fill([0.0; COLS]);
+            value.fill([self.base_m; COLS]);
             if GRADIENT {
                 dx.fill([0.0; COLS]);
                 dy.fill([0.0; COLS]);
             }
         }
-        let inside = self.weights(&places.area).0.min > 0.0;
+        if self.weights(&places.area).0.min > 0.0 {
+            return;
+        }
+        // Where the weight is 0, so are its derivatives.
         let [value, dx, dy] = &mut out.elevation;
         let (value, dx, dy) = (rows_mut(value, places), rows_mut(dx, places), rows_mut(dy, places));
         for (r, weight) in rows(&out.weight[0], places).iter().enumerate() {
             for k in 0..COLS {
-                value[r][k] += self.base_m;
-            }
-            // Where the weight is 0, so are its derivatives.
-            if !inside {
-                for k in 0..COLS {
-                    let kept = if weight[k] > 0.0 { 1.0 } else { 0.0 };
-                    value[r][k] *= kept;
-                    if GRADIENT {
-                        (dx[r][k], dy[r][k]) = (dx[r][k] * kept, dy[r][k] * kept);
-                    }
+                let kept = if weight[k] > 0.0 { 1.0 } else { 0.0 };
+                value[r][k] *= kept;
+                if GRADIENT {
+                    (dx[r][k], dy[r][k]) = (dx[r][k] * kept, dy[r][k] * kept);
                 }
             }
         }
@@ -179,7 +177,7 @@ impl Primitive for Disc {
     fn bounds(&self, region: &Region) -> Bounds {
         let (weight, weight_slope) = self.weights(&region.area);
         let (range, slope) = match &self.noise {
-            None => (Interval::ZERO, 0.0),
+            None => (Interval::point(self.base_m), 0.0),
             Some(noise) => {
                 let kappa = (region.kappa, region.kappa_slope);
                 let (centre, radius) = (region.area.centre(), region.area.radius());
@@ -190,7 +188,7 @@ impl Primitive for Disc {
                 }
             }
         };
-        Bounds::new(range.plus(Interval::point(self.base_m)), slope, weight, weight_slope).widened()
+        Bounds::new(range, slope, weight, weight_slope).widened()
     }
 
     fn at(&self, place: &Place) -> Point {
@@ -199,8 +197,8 @@ impl Primitive for Disc {
             None => Sample { value: 1.0, dx: 0.0, dy: 0.0 },
             Some(fall_off) => fall_off.around(x, y),
         };
-        let mut elevation = self.noise.as_ref().map_or(Sample::default(), |noise| noise.at(x, y, place.kappa));
-        elevation.value += self.base_m;
+        let level = Sample { value: self.base_m, dx: 0.0, dy: 0.0 };
+        let elevation = self.noise.as_ref().map_or(level, |noise| noise.at(x, y, place.kappa));
         Point { elevation, weight }.settled()
     }
 

@@ -7,7 +7,6 @@ pub(super) use piece::{Piece, cross, dot};
 use super::super::area::Area;
 use super::super::operator::boxes::Boxes;
 use crate::error::{Error, Result};
-use crate::interval::Interval;
 
 /// A chain of parabolas.
 ///
@@ -46,14 +45,6 @@ pub(super) struct Nearest<const N: usize> {
 
 /// No piece.
 const NONE: u32 = u32::MAX;
-
-/// How far a coordinate lies outside of a range.
-#[inline(always)]
-fn beyond(range: Interval, at: f64) -> f64 {
-    let (below, above) = (range.min - at, at - range.max);
-    let outside = if below > above { below } else { above };
-    if outside > 0.0 { outside } else { 0.0 }
-}
 
 impl Skeleton {
     /// The curve through points `[x, y, z]` in metres; `smooth`, or straight from point to point.
@@ -138,13 +129,7 @@ impl Skeleton {
         let mut found = Nearest { piece: [NONE; N], t: [0.0; N], square: [within_m * within_m; N] };
         for &i in pieces {
             let piece = &self.pieces[i as usize];
-            // Rounding of the box does no harm: the piece is skipped only if it is clearly further away.
-            let mut near = false;
-            for k in 0..N {
-                let (dx, dy) = (beyond(piece.area.x, xs[k]), beyond(piece.area.y, ys[k]));
-                near |= dx * dx + dy * dy <= found.square[k] * (1.0 + 1e-9);
-            }
-            if !near {
+            if !piece.may_be_nearer(xs, ys, &found.square) {
                 continue;
             }
             let (t, square) = piece.nearest(xs, ys);

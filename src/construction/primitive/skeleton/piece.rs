@@ -161,6 +161,31 @@ impl Piece {
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
+    /// Whether a point of the piece may be nearer to one of the places than the square of a distance says.
+    ///
+    /// The piece lies within a quarter of |a| from its chord. Rounding does no harm: it says no only where the piece is
+    /// clearly further away, and there what [`Piece::nearest`] finds is no nearer either.
+    #[inline(always)]
+    pub(in crate::construction) fn may_be_nearer<const N: usize>(
+        &self,
+        xs: &[f64; N],
+        ys: &[f64; N],
+        squares: &[f64; N],
+    ) -> bool {
+        let chord = [2.0 * self.b[0] + self.a[0], 2.0 * self.b[1] + self.a[1]];
+        let per = 1.0 / dot(chord, chord).max(f64::MIN_POSITIVE);
+        let bulge = dot(self.a, self.a).sqrt() * 0.25;
+        let mut lanes = [0.0; N];
+        for k in 0..N {
+            let w = [xs[k] - self.p[0], ys[k] - self.p[1]];
+            let t = (dot(w, chord) * per).max(0.0).min(1.0);
+            let (x, y) = (w[0] - t * chord[0], w[1] - t * chord[1]);
+            let reach = squares[k].sqrt() + bulge;
+            lanes[k] = if x * x + y * y <= reach * reach * (1.0 + 1e-9) { 1.0 } else { 0.0 };
+        }
+        lanes.iter().sum::<f64>() > 0.0
+    }
+
     /// Parameters of the points nearest to some places, and the squares of their distances.
     ///
     /// Half the derivative of the squared distance is the cubic `b.w + (2 b.b + a.w) t + 3 a.b t² + a.a t³` with
