@@ -181,7 +181,6 @@ type Frame = (Box<Places>, Vec<Matrix>);
 /// Blocks for results on the way, kept from block to block.
 #[derive(Default)]
 struct Scratch {
-    #[expect(clippy::vec_box, reason = "blocks are handed out and taken back, not copied")]
     blocks: Vec<Box<Block>>,
     /// Places in the frames of warps, with the Jacobians of the way there.
     frames: Vec<Frame>,
@@ -438,23 +437,23 @@ impl Plan<'_> {
         widest(
             #[inline(always)]
             || {
-                for k in 0..places.count() {
+                for (k, to) in jacobians.iter_mut().enumerate().take(places.count()) {
                     let (place, jacobian) = warp.enter(&places.get(k));
                     [inside.x[k], inside.y[k]] = place.at;
                     [inside.kappa[0][k], inside.kappa[1][k], inside.kappa[2][k]] =
                         [place.kappa.value, place.kappa.dx, place.kappa.dy];
-                    jacobians[k] = jacobian;
+                    *to = jacobian;
                 }
             },
         );
         // Shared results are kept by step, and each step belongs to one frame: no other places come to it.
         let found = self.block(child, &inside, out, scratch);
         if found {
-            for k in 0..places.count() {
+            for (k, jacobian) in jacobians.iter().enumerate().take(places.count()) {
                 if gradient {
-                    out.set::<true>(k, warp.leave(&jacobians[k], out.get::<true>(k)));
+                    out.set::<true>(k, warp.leave(jacobian, out.get::<true>(k)));
                 } else {
-                    out.set::<false>(k, warp.leave(&jacobians[k], out.get::<false>(k)));
+                    out.set::<false>(k, warp.leave(jacobian, out.get::<false>(k)));
                 }
             }
         }

@@ -280,8 +280,8 @@ impl Default for Eta {
 impl Columns {
     #[inline(always)]
     fn set(&mut self, octave: &Octave, xs: &[f64; COLS]) {
-        for k in 0..COLS {
-            let (part, index) = split(xs[k] * octave.frequency + octave.shift[0]);
+        for (k, x) in xs.iter().enumerate() {
+            let (part, index) = split(x * octave.frequency + octave.shift[0]);
             let fade = Fade::of(part);
             self.index[k] = index;
             (self.part[k], self.share[k], self.slope[k]) = (part, fade.share, fade.slope);
@@ -315,8 +315,8 @@ impl Heights {
         let mut found = Self { index: [0; ROWS], part: zeros, share: zeros, slope: zeros };
         let mut padded = zeros;
         padded[..ys.len()].copy_from_slice(ys);
-        for k in 0..ROWS {
-            let (part, index) = split(padded[k] * octave.frequency + octave.shift[1]);
+        for (k, y) in padded.iter().enumerate() {
+            let (part, index) = split(y * octave.frequency + octave.shift[1]);
             let fade = Fade::of(part);
             found.index[k] = index;
             (found.part[k], found.share[k], found.slope[k]) = (part, fade.share, fade.slope);

@@ -310,12 +310,12 @@ impl Sums<'_> {
                     (state.sum.dx, state.sum.dy) = (sum_x[k], sum_y[k]);
                     (state.signal.dx, state.signal.dy) = (signal_x[k], signal_y[k]);
                 }
-                let share = match filter {
-                    None => None,
-                    Some((filter, [value, dx, dy])) => {
-                        Some(filter.sample(Sample { value: value[r][k], dx: dx[r][k], dy: dy[r][k] }))
-                    }
-                };
+                let share = filter.map(
+                    #[inline(always)]
+                    |(filter, [value, dx, dy])| {
+                        filter.sample(Sample { value: value[r][k], dx: dx[r][k], dy: dy[r][k] })
+                    },
+                );
                 step::<GRADIENT>(kind, first, &octave, share, n, &mut state);
                 sum[k] = state.sum.value;
                 if matches!(kind, NoiseKind::Ridged { .. }) {

@@ -178,7 +178,7 @@ impl Piece {
         let mut lanes = [0.0; N];
         for k in 0..N {
             let w = [xs[k] - self.p[0], ys[k] - self.p[1]];
-            let t = (dot(w, chord) * per).max(0.0).min(1.0);
+            let t = (dot(w, chord) * per).clamp(0.0, 1.0);
             let (x, y) = (w[0] - t * chord[0], w[1] - t * chord[1]);
             let reach = squares[k].sqrt() + bulge;
             lanes[k] = if x * x + y * y <= reach * reach * (1.0 + 1e-9) { 1.0 } else { 0.0 };

@@ -74,6 +74,9 @@ fn processor_s() -> f64 {
     tasks.filter_map(nanoseconds).sum::<f64>() / 1e9
 }
 
+/// A scene with its mesh, and the times of its turns: by the clock, and of processors.
+type Timed<'r> = (&'r Row, Built, Lattice, Vec<(f64, f64)>);
+
 /// Seconds for all points of a lattice: by the clock, and of processors.
 fn time(built: &Built, lattice: &Lattice) -> Result<(f64, f64)> {
     let (start, before) = (Instant::now(), processor_s());
@@ -115,7 +118,7 @@ fn main() -> Result<()> {
         "figure,side_m,primitives,operators,kB,paper_kB,points,octaves,threads,least_ms,median_ms,processor_ms,goal_ms,paper_gpu_ms,\
          ns_per_point,one_by_one_ns,times_faster,ps_per_octave,limit_share"
     );
-    let mut rows: Vec<(&Row, Built, Lattice, Vec<(f64, f64)>)> = vec![];
+    let mut rows: Vec<Timed<'_>> = vec![];
     for row in ROWS.iter().filter(|row| only.as_deref().is_none_or(|figure| figure == row.figure)) {
         for fine in [false, true] {
             let side = row.points.sqrt().round() as usize;
