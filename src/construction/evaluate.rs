@@ -131,11 +131,12 @@ impl Tree {
 impl Block {
     /// Makes something of each point of a row.
     fn map_row<const GRADIENT: bool, T>(&self, row: usize, out: &mut [T], make: &impl Fn(&Point) -> T) {
+        let first = row.min(ROWS - 1) * COLS;
         widest(
             #[inline(always)]
             || {
                 for (k, value) in out.iter_mut().take(COLS).enumerate() {
-                    *value = make(&self.get::<GRADIENT>(row * COLS + k));
+                    *value = make(&self.get::<GRADIENT>(first + k));
                 }
             },
         );
@@ -152,9 +153,11 @@ impl Places {
             for (k, &x) in xs.iter().enumerate() {
                 let at = r * COLS + k;
                 (self.x[at], self.y[at]) = (x, y);
-                let kappa = plan.detail.at([x, y]);
-                [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
             }
+        }
+        for at in 0..rows * COLS {
+            let kappa = plan.detail.at([self.x[at], self.y[at]]);
+            [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
         }
         self.area = lattice.area((row, col), (row + rows - 1, col + cols - 1));
         (self.rows, self.crossing) = (rows, true);

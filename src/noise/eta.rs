@@ -56,9 +56,15 @@ struct Lines {
 struct Corners([(f64, f64); 4]);
 
 impl Eta {
-    /// The octave where `xs` and the first few of [`ROWS`] heights `ys` cross.
+    /// The octave where `xs` and the first `rows` of the heights `ys` cross.
     #[inline(always)]
-    pub(super) fn cross<const GRADIENT: bool>(&mut self, octave: &Octave, xs: &[f64; COLS], ys: &[f64]) {
+    pub(super) fn cross<const GRADIENT: bool>(
+        &mut self,
+        octave: &Octave,
+        xs: &[f64; COLS],
+        ys: &[f64; ROWS],
+        rows: usize,
+    ) {
         self.columns.set(octave, xs);
         let columns = &self.columns;
         let heights = Heights::of(octave, ys);
@@ -67,9 +73,9 @@ impl Eta {
         let base = if (last.wrapping_sub(first) as i32) < 0 { last } else { first };
         let furthest = columns.index.iter().fold(0, |most, index| index.wrapping_sub(base).max(most));
         if (furthest as usize) < FEW {
-            self.few::<GRADIENT>(octave.seed, (base, furthest as usize + 1), &heights, ys.len());
+            self.few::<GRADIENT>(octave.seed, (base, furthest as usize + 1), &heights, rows);
         } else {
-            self.many::<GRADIENT>(octave.seed, &heights, ys.len());
+            self.many::<GRADIENT>(octave.seed, &heights, rows);
         }
     }
 
@@ -310,12 +316,10 @@ impl Columns {
 
 impl Heights {
     #[inline(always)]
-    fn of(octave: &Octave, ys: &[f64]) -> Self {
+    fn of(octave: &Octave, ys: &[f64; ROWS]) -> Self {
         let zeros = [0.0; ROWS];
         let mut found = Self { index: [0; ROWS], part: zeros, share: zeros, slope: zeros };
-        let mut padded = zeros;
-        padded[..ys.len()].copy_from_slice(ys);
-        for (k, y) in padded.iter().enumerate() {
+        for (k, y) in ys.iter().enumerate() {
             let (part, index) = split(y * octave.frequency + octave.shift[1]);
             let fade = Fade::of(part);
             found.index[k] = index;

@@ -219,6 +219,11 @@ impl NoiseSum {
         let Room { eta, signal } = room.as_mut();
         for from in (0..count).step_by(ROWS) {
             let to = count.min(from + ROWS);
+            // Once for all octaves.
+            let mut heights = [0.0; ROWS];
+            if let Points::Crossing(_, ys) = points {
+                heights[..to - from].copy_from_slice(&ys[from..to]);
+            }
             let mut sums = Sums {
                 base: self.base,
                 value: &mut value[from..to],
@@ -228,7 +233,7 @@ impl NoiseSum {
             };
             for (i, octave) in self.octaves.iter().enumerate() {
                 match points {
-                    Points::Crossing(xs, ys) => eta.cross::<GRADIENT>(octave, xs, &ys[from..to]),
+                    Points::Crossing(xs, _) => eta.cross::<GRADIENT>(octave, xs, &heights, to - from),
                     Points::Scattered(xs, ys) => eta.scatter::<GRADIENT>(octave, &xs[from..to], &ys[from..to]),
                 }
                 // Each kind a loop of its own.
