@@ -1,6 +1,7 @@
 //! Evaluation by tile: a plan for each tile, then whole blocks of points at once, tiles in parallel.
 
 use super::area::Area;
+use super::detail::Detail;
 use super::operator::warp::{Matrix, Warp};
 use super::operator::{add, blend, level, replace, weigh};
 use super::plan::{Plan, StepId, Task};
@@ -149,15 +150,20 @@ impl Places {
     fn fill(&mut self, lattice: &Lattice, (row, col): (usize, usize), (rows, cols): (usize, usize), plan: &Plan<'_>) {
         let xs: [f64; COLS] = std::array::from_fn(|k| lattice.at(row, col + k.min(cols - 1))[0]);
         for r in 0..rows {
-            let y = lattice.at(row + r, col)[1];
-            for (k, &x) in xs.iter().enumerate() {
-                let at = r * COLS + k;
-                (self.x[at], self.y[at]) = (x, y);
-            }
+            let at = r * COLS;
+            self.x[at..at + COLS].copy_from_slice(&xs);
+            self.y[at..at + COLS].fill(lattice.at(row + r, col)[1]);
         }
-        for at in 0..rows * COLS {
-            let kappa = plan.detail.at([self.x[at], self.y[at]]);
-            [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
+        match plan.detail {
+            // The same everywhere, and most often there already.
+            Detail::Constant(value) if self.kappa[0][0] == value => {}
+            Detail::Constant(value) => self.kappa = [[value; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
+            detail @ Detail::Around { .. } => {
+                for at in 0..rows * COLS {
+                    let kappa = detail.at([self.x[at], self.y[at]]);
+                    [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
+                }
+            }
         }
         self.area = lattice.area((row, col), (row + rows - 1, col + cols - 1));
         (self.rows, self.crossing) = (rows, true);
