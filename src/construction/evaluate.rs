@@ -132,12 +132,19 @@ impl Tree {
 impl Block {
     /// Makes something of each point of a row.
     fn map_row<const GRADIENT: bool, T>(&self, row: usize, out: &mut [T], make: &impl Fn(&Point) -> T) {
-        let first = row.min(ROWS - 1) * COLS;
+        let [f, fx, fy] = self.elevation.each_ref().map(|values| &values.as_chunks::<COLS>().0[row]);
+        let [w, wx, wy] = self.weight.each_ref().map(|values| &values.as_chunks::<COLS>().0[row]);
         widest(
             #[inline(always)]
             || {
                 for (k, value) in out.iter_mut().take(COLS).enumerate() {
-                    *value = make(&self.get::<GRADIENT>(first + k));
+                    let mut point = Point::NOTHING;
+                    (point.elevation.value, point.weight.value) = (f[k], w[k]);
+                    if GRADIENT {
+                        (point.elevation.dx, point.elevation.dy) = (fx[k], fy[k]);
+                        (point.weight.dx, point.weight.dy) = (wx[k], wy[k]);
+                    }
+                    *value = make(&point);
                 }
             },
         );

@@ -175,15 +175,15 @@ impl Piece {
         let chord = [2.0 * self.b[0] + self.a[0], 2.0 * self.b[1] + self.a[1]];
         let per = 1.0 / dot(chord, chord).max(f64::MIN_POSITIVE);
         let bulge = dot(self.a, self.a).sqrt() * 0.25;
-        let mut lanes = [0.0; N];
+        let mut near = false;
         for k in 0..N {
             let w = [xs[k] - self.p[0], ys[k] - self.p[1]];
             let t = (dot(w, chord) * per).clamp(0.0, 1.0);
             let (x, y) = (w[0] - t * chord[0], w[1] - t * chord[1]);
             let reach = squares[k].sqrt() + bulge;
-            lanes[k] = if x * x + y * y <= reach * reach * (1.0 + 1e-9) { 1.0 } else { 0.0 };
+            near |= x * x + y * y <= reach * reach * (1.0 + 1e-9);
         }
-        lanes.iter().sum::<f64>() > 0.0
+        near
     }
 
     /// Parameters of the points nearest to some places, and the squares of their distances.
@@ -219,14 +219,12 @@ impl Piece {
         for j in 0..3 {
             let (low, high) = (&stops[j], &stops[j + 1]);
             let mut steps = [0.0; N];
-            let mut any = 0.0;
             for k in 0..N {
                 let value = |t: f64| c0[k] + t * (c1[k] + t * (c2 + t * c3));
                 let rises = (low[k] < high[k]) & (value(low[k]) < 0.0) & (value(high[k]) > 0.0);
                 steps[k] = if rises { 1.0 } else { 0.0 };
-                any += steps[k];
             }
-            if any == 0.0 {
+            if steps.iter().all(|&step| step == 0.0) {
                 continue;
             }
             let roots = rising_roots(&c0, &c1, (c2, c3), (*low, *high), steps);
@@ -276,7 +274,6 @@ fn rising_roots<const N: usize>(
         roots[k] = low[k] - (high[k] - low[k]) * (from / (to - from));
     }
     for _ in 0..60 {
-        let mut longest = 0.0;
         for k in 0..N {
             let t = roots[k];
             let value = c0[k] + t * (c1[k] + t * (c2 + t * c3));
@@ -287,9 +284,13 @@ fn rising_roots<const N: usize>(
             let next = if steps[k] > 1e-12 { next } else { t };
             steps[k] = (next - t).abs();
             roots[k] = next;
-            longest = if steps[k] > longest { steps[k] } else { longest };
         }
-        if longest <= 1e-12 {
+        // In a loop of its own: the one above becomes vectors.
+        let mut open = false;
+        for step in &steps {
+            open |= *step > 1e-12;
+        }
+        if !open {
             break;
         }
     }
