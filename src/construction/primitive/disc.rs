@@ -40,11 +40,6 @@ impl Disc {
         Ok(Self { centre, base_m, noise, fall_off })
     }
 
-    /// Range of the weights over a box, and bound of their slope; 0 only where all are.
-    fn weights(&self, area: &Area) -> (Interval, f64) {
-        self.fall_off.map_or((Interval::ONE, 0.0), |fall_off| fall_off.bounds(area.square_distances(self.centre)))
-    }
-
     /// Weights, and elevations where wanted, of a block.
     #[inline(always)]
     fn fill<const GRADIENT: bool>(&self, places: &Places, elevation: bool, out: &mut Block) {
@@ -126,7 +121,8 @@ impl Disc {
                 dy.fill([0.0; COLS]);
             }
         }
-        if self.weights(&places.area).0.min > 0.0 {
+        let furthest = places.area.square_distances(self.centre).max;
+        if self.fall_off.is_none_or(|fall_off| fall_off.at_square(furthest) > 0.0) {
             return;
         }
         // Where the weight is 0, so are its derivatives.
@@ -175,7 +171,10 @@ impl Primitive for Disc {
     }
 
     fn bounds(&self, region: &Region) -> Bounds {
-        let (weight, weight_slope) = self.weights(&region.area);
+        let (weight, weight_slope) = match &self.fall_off {
+            None => (Interval::ONE, 0.0),
+            Some(fall_off) => fall_off.bounds(region.area.square_distances(self.centre)),
+        };
         let (range, slope) = match &self.noise {
             None => (Interval::point(self.base_m), 0.0),
             Some(noise) => {
@@ -216,7 +215,8 @@ impl Primitive for Disc {
     }
 
     fn misses(&self, area: &Area) -> bool {
-        self.weights(area).0.max <= 0.0
+        let nearest = area.square_distances(self.centre).min;
+        self.fall_off.is_some_and(|fall_off| fall_off.at_square(nearest) <= 0.0)
     }
 
     fn bytes(&self) -> usize {

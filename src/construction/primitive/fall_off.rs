@@ -65,6 +65,11 @@ impl FallOff {
         Sample { value, dx: slope * dx, dy: slope * dy }
     }
 
+    /// Weight at a squared distance: that of no place further away is more.
+    pub(super) fn at_square(&self, square: f64) -> f64 {
+        self.over(square).0
+    }
+
     /// Weight at a squared distance, and its derivative over the distance.
     #[inline(always)]
     fn over(&self, square: f64) -> (f64, f64) {

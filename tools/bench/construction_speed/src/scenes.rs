@@ -150,14 +150,14 @@ impl Scene {
     }
 }
 
-/// Figure 1: 70 primitives, 9 operators. A blend of 60 discs, replaced by a river and two lakes, with seven mounds of
-/// which one is blended in and each other added.
+/// Figure 1: 70 primitives, 9 operators. A blend of 60 discs, replaced by a river and two lakes, with seven mounds:
+/// two are blended in, four added, and one replaces what is there.
 fn valley(scene: &mut Scene) -> Result<NodeId> {
     let mut hills = scene.hills(60)?;
     let mounds = scene.mounds(7)?;
-    hills.push(mounds[0]);
+    hills.extend(&mounds[..2]);
     let mut root = scene.builder.blend(&hills)?;
-    for &mound in &mounds[1..6] {
+    for &mound in &mounds[2..6] {
         root = scene.builder.add(root, mound, WeightRule::Keep)?;
     }
     root = scene.builder.replace(root, mounds[6], WeightRule::Keep)?;
