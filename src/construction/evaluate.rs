@@ -2,10 +2,11 @@
 
 use super::area::Area;
 use super::detail::Detail;
-use super::operator::warp::{Matrix, Warp};
+use super::operator::warp::Warp;
 use super::operator::{add, blend, level, replace, weigh};
 use super::plan::{Plan, StepId, Task};
 use super::point::{Block, COLS, Places, Point, ROWS, WIDTH, Want};
+use super::scratch::Scratch;
 use super::tree::{STEPS, Tree};
 use super::vectors::widest;
 use crate::error::Result;
@@ -189,38 +190,6 @@ struct Work {
     places: Places,
     out: Block,
     scratch: Scratch,
-}
-
-/// Places in the frame of a warp, with the Jacobians of the way there.
-type Frame = (Box<Places>, Vec<Matrix>);
-
-/// Blocks for results on the way, kept from block to block.
-#[derive(Default)]
-struct Scratch {
-    blocks: Vec<Box<Block>>,
-    /// Places in the frames of warps, with the Jacobians of the way there.
-    frames: Vec<Frame>,
-    /// Results of steps that several others ask for: none yet, nothing, or a block.
-    known: Vec<Option<Option<Box<Block>>>>,
-}
-
-impl Scratch {
-    /// A block with anything in it; not inlined for the same reason as [`Scratch::take_frame`].
-    #[inline(never)]
-    fn take(&mut self) -> Box<Block> {
-        self.blocks.pop().unwrap_or_default()
-    }
-
-    /// Memory for places in another frame, with anything in it. Not inlined, so that what is made on the way takes no
-    /// room on the stack of trees that are deep.
-    #[inline(never)]
-    fn take_frame(&mut self) -> Frame {
-        self.frames.pop().unwrap_or_else(|| (Box::default(), vec![[[0.0; 2]; 2]; WIDTH]))
-    }
-
-    fn give(&mut self, block: Box<Block>) {
-        self.blocks.push(block);
-    }
 }
 
 impl Work {

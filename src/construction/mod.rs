@@ -22,6 +22,7 @@ mod plan;
 mod point;
 pub mod primitive;
 pub mod scene;
+mod scratch;
 mod tree;
 mod vectors;
 
