@@ -1,10 +1,12 @@
 //! Evaluation by tile: a plan for each tile, then whole blocks of points at once, tiles in parallel.
 
 use super::area::Area;
-use super::operator::warp::{Matrix, Warp};
+use super::detail::Detail;
+use super::operator::warp::Warp;
 use super::operator::{add, blend, level, replace, weigh};
 use super::plan::{Plan, StepId, Task};
-use super::point::{Block, Places, Point, WIDTH, Want};
+use super::point::{Block, COLS, Places, Point, ROWS, WIDTH, Want};
+use super::scratch::Scratch;
 use super::tree::{STEPS, Tree};
 use super::vectors::widest;
 use crate::error::Result;
@@ -13,10 +15,10 @@ use crate::watch::Watch;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Columns of a tile unless said otherwise; a multiple of [`WIDTH`].
-const TILE_COLS: usize = 64;
+/// Columns of a tile unless said otherwise: whole blocks, and enough points for what a plan costs.
+const TILE_COLS: usize = 4 * COLS;
 /// Rows of a tile unless said otherwise.
-const TILE_ROWS: usize = 32;
+const TILE_ROWS: usize = 4 * ROWS;
 
 /// Points in rows and columns; point (row, column) lies at `(x0 + column dx, y0 + row dy)`, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,20 +137,20 @@ impl Tree {
                     let wide = tile_cols.min(cols - first_col);
                     let last = (first_row + high - 1, first_col + wide - 1);
                     let plan = self.plan(&lattice.area((first_row, first_col), last), want);
-                    for row in 0..high {
-                        for col in (0..wide).step_by(WIDTH) {
-                            let count = WIDTH.min(wide - col);
-                            let at = row * cols + first_col + col;
-                            work.places.fill(lattice, first_row + row, first_col + col, count, &plan);
-                            let points = &mut values[at..at + count];
-                            if work.run(&plan) {
-                                for (k, value) in points.iter_mut().enumerate() {
-                                    let point =
-                                        if gradient { work.out.get::<true>(k) } else { work.out.get::<false>(k) };
-                                    *value = make(&point);
+                    for row in (0..high).step_by(ROWS) {
+                        for col in (0..wide).step_by(COLS) {
+                            let size = (ROWS.min(high - row), COLS.min(wide - col));
+                            work.places.fill(lattice, (first_row + row, first_col + col), size, &plan);
+                            let found = work.run(&plan);
+                            for (r, line) in values[row * cols..].chunks_mut(cols).take(size.0).enumerate() {
+                                let points = &mut line[first_col + col..][..size.1];
+                                if !found {
+                                    points.fill(make(&Point::NOTHING));
+                                } else if gradient {
+                                    work.out.map_row::<true, T>(r, points, &make);
+                                } else {
+                                    work.out.map_row::<false, T>(r, points, &make);
                                 }
-                            } else {
-                                points.fill(make(&Point::NOTHING));
                             }
                         }
                     }
@@ -160,23 +162,57 @@ impl Tree {
     }
 }
 
+impl Block {
+    /// Makes something of each point of a row.
+    fn map_row<const GRADIENT: bool, T>(&self, row: usize, out: &mut [T], make: &impl Fn(&Point) -> T) {
+        let [f, fx, fy] = self.elevation.each_ref().map(|values| &values.as_chunks::<COLS>().0[row]);
+        let [w, wx, wy] = self.weight.each_ref().map(|values| &values.as_chunks::<COLS>().0[row]);
+        widest(
+            #[inline(always)]
+            || {
+                for (k, value) in out.iter_mut().take(COLS).enumerate() {
+                    let mut point = Point::NOTHING;
+                    (point.elevation.value, point.weight.value) = (f[k], w[k]);
+                    if GRADIENT {
+                        (point.elevation.dx, point.elevation.dy) = (fx[k], fy[k]);
+                        (point.weight.dx, point.weight.dy) = (wx[k], wy[k]);
+                    }
+                    *value = make(&point);
+                }
+            },
+        );
+    }
+}
+
 impl Places {
-    /// Sets the places of `count` points of a row; the block's rest repeats the last.
-    fn fill(&mut self, lattice: &Lattice, row: usize, col: usize, count: usize, plan: &Plan<'_>) {
-        for k in 0..WIDTH {
-            let [x, y] = lattice.at(row, col + k.min(count - 1));
-            self.x[k] = x;
-            self.y[k] = y;
-            let kappa = plan.detail.at([x, y]);
-            [self.kappa[0][k], self.kappa[1][k], self.kappa[2][k]] = [kappa.value, kappa.dx, kappa.dy];
+    /// Sets the places of some rows and columns of a lattice from a row and a column on; columns beyond the last repeat
+    /// it.
+    fn fill(&mut self, lattice: &Lattice, (row, col): (usize, usize), (rows, cols): (usize, usize), plan: &Plan<'_>) {
+        let xs: [f64; COLS] = std::array::from_fn(|k| lattice.at(row, col + k.min(cols - 1))[0]);
+        for r in 0..rows {
+            let at = r * COLS;
+            self.x[at..at + COLS].copy_from_slice(&xs);
+            self.y[at..at + COLS].fill(lattice.at(row + r, col)[1]);
         }
-        self.area = lattice.area((row, col), (row, col + count - 1));
+        match plan.detail {
+            // The same everywhere, and most often there already.
+            Detail::Constant(value) if self.kappa[0][0] == value => {}
+            Detail::Constant(value) => self.kappa = [[value; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
+            detail @ Detail::Around { .. } => {
+                for at in 0..rows * COLS {
+                    let kappa = detail.at([self.x[at], self.y[at]]);
+                    [self.kappa[0][at], self.kappa[1][at], self.kappa[2][at]] = [kappa.value, kappa.dx, kappa.dy];
+                }
+            }
+        }
+        self.area = lattice.area((row, col), (row + rows - 1, col + cols - 1));
+        (self.rows, self.crossing) = (rows, true);
     }
 }
 
 impl Default for Places {
     fn default() -> Self {
-        Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY }
+        Self { x: [0.0; WIDTH], y: [0.0; WIDTH], kappa: [[0.0; WIDTH]; 3], area: Area::EMPTY, rows: 1, crossing: false }
     }
 }
 
@@ -188,10 +224,12 @@ pub(super) struct Scattered {
 
 impl Scattered {
     /// What the tree is at up to [`WIDTH`] points of the plan's region; gradients are there if the plan has them.
-    pub(super) fn run(&mut self, plan: &Plan<'_>, at: &[[f64; 2]], out: &mut [Point; WIDTH]) {
+    pub(super) fn run(&mut self, plan: &Plan<'_>, at: &[[f64; 2]], out: &mut [Point]) {
         let Some(&last) = at.last() else { return };
         let places = &mut self.work.places;
-        for k in 0..WIDTH {
+        (places.rows, places.crossing) = (at.len().div_ceil(COLS), false);
+        // The block's rest repeats the last point.
+        for k in 0..places.count() {
             let [x, y] = at.get(k).copied().unwrap_or(last);
             [places.x[k], places.y[k]] = [x, y];
             let kappa = plan.detail.at([x, y]);
@@ -214,26 +252,6 @@ struct Work {
     places: Places,
     out: Block,
     scratch: Scratch,
-}
-
-/// Blocks for results on the way, kept from block to block.
-#[derive(Default)]
-struct Scratch {
-    #[expect(clippy::vec_box, reason = "blocks are handed out and taken back, not copied")]
-    blocks: Vec<Box<Block>>,
-    /// Results of steps that several others ask for: none yet, nothing, or a block.
-    known: Vec<Option<Option<Box<Block>>>>,
-}
-
-impl Scratch {
-    /// A block with anything in it.
-    fn take(&mut self) -> Box<Block> {
-        self.blocks.pop().unwrap_or_default()
-    }
-
-    fn give(&mut self, block: Box<Block>) {
-        self.blocks.push(block);
-    }
 }
 
 impl Work {
@@ -262,7 +280,7 @@ impl Plan<'_> {
         match &scratch.known[id as usize] {
             Some(None) => return false,
             Some(Some(block)) => {
-                out.clone_from(block.as_ref());
+                out.copy(block, places.count(), step.want.gradient);
                 return true;
             }
             None => {}
@@ -270,7 +288,7 @@ impl Plan<'_> {
         let found = self.fresh(id, places, out, scratch);
         let copy = found.then(|| {
             let mut block = scratch.take();
-            (*block).clone_from(out);
+            block.copy(out, places.count(), step.want.gradient);
             block
         });
         scratch.known[id as usize] = Some(copy);
@@ -281,18 +299,21 @@ impl Plan<'_> {
     fn settled(&self, id: Option<StepId>, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
         let found = id.is_some_and(|id| self.block(id, places, out, scratch));
         if !found {
-            out.clear();
+            out.clear(places.count(), true);
         }
         found
     }
 
     fn fresh(&self, id: StepId, places: &Places, out: &mut Block, scratch: &mut Scratch) -> bool {
         let step = &self.steps[id as usize];
-        let gradient = step.want.gradient;
+        let (gradient, count) = (step.want.gradient, places.count());
         match &step.task {
             Task::Leaf(primitive) => {
-                primitive.block(places, step.want, out);
-                true
+                let seen = !primitive.misses(&places.area);
+                if seen {
+                    primitive.block(places, step.want, out);
+                }
+                seen
             }
             Task::Blend(range) => {
                 let mut child = scratch.take();
@@ -300,40 +321,83 @@ impl Plan<'_> {
                 for &operand in &self.operands[range.clone()] {
                     if self.block(operand, places, &mut child, scratch) {
                         if !found {
-                            out.clear();
+                            out.clear(count, gradient);
                         }
                         found = true;
-                        run(gradient, |with| {
-                            if with {
-                                blend::gather_block::<true>(out, &child)
-                            } else {
-                                blend::gather_block::<false>(out, &child)
-                            }
-                        });
+                        run(
+                            gradient,
+                            #[inline(always)]
+                            |with| {
+                                if with {
+                                    blend::gather_block::<true>(out, &child, count)
+                                } else {
+                                    blend::gather_block::<false>(out, &child, count)
+                                }
+                            },
+                        );
                     }
                 }
                 scratch.give(child);
                 if found {
-                    run(gradient, |with| {
-                        if with { blend::divide_block::<true>(out) } else { blend::divide_block::<false>(out) }
-                    });
+                    run(
+                        gradient,
+                        #[inline(always)]
+                        |with| {
+                            if with {
+                                blend::divide_block::<true>(out, count)
+                            } else {
+                                blend::divide_block::<false>(out, count)
+                            }
+                        },
+                    );
                 }
                 found
             }
-            Task::Replace(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
-                if gradient { replace::replace::<true>(*rule, a, b) } else { replace::replace::<false>(*rule, a, b) }
-            }),
-            Task::Add(rule, a, b) => self.pair(*a, Some(*b), places, out, scratch, gradient, |_, a, b| {
-                if gradient { add::add::<true>(*rule, a, b) } else { add::add::<false>(*rule, a, b) }
-            }),
-            Task::Level(thresholds, a, b) => self.pair(*a, *b, places, out, scratch, gradient, |k, a, b| {
-                let kappa = places.get(k).kappa;
-                if gradient {
-                    level::mix::<true>(thresholds, kappa, a, b)
-                } else {
-                    level::mix::<false>(thresholds, kappa, a, b)
-                }
-            }),
+            Task::Replace(rule, a, b) => self.pair(
+                *a,
+                Some(*b),
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |_, a, b| {
+                    if gradient {
+                        replace::replace::<true>(*rule, a, b)
+                    } else {
+                        replace::replace::<false>(*rule, a, b)
+                    }
+                },
+            ),
+            Task::Add(rule, a, b) => self.pair(
+                *a,
+                Some(*b),
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |_, a, b| {
+                    if gradient { add::add::<true>(*rule, a, b) } else { add::add::<false>(*rule, a, b) }
+                },
+            ),
+            Task::Level(thresholds, a, b) => self.pair(
+                *a,
+                *b,
+                places,
+                out,
+                scratch,
+                gradient,
+                #[inline(always)]
+                |k, a, b| {
+                    let kappa = places.get(k).kappa;
+                    if gradient {
+                        level::mix::<true>(thresholds, kappa, a, b)
+                    } else {
+                        level::mix::<false>(thresholds, kappa, a, b)
+                    }
+                },
+            ),
             Task::Warp(warp, child) => self.warped(warp, *child, places, out, scratch, gradient),
             Task::Weigh(rules, child, guide, around) => {
                 if !self.block(*child, places, out, scratch) {
@@ -348,7 +412,7 @@ impl Plan<'_> {
                         let _ = self.settled(id, &stepped(places, STEPS[i]), &mut block, scratch);
                         steps.push(block);
                     }
-                    for k in 0..WIDTH {
+                    for k in 0..count {
                         let guide = guides.get::<true>(k);
                         let at = |i: usize| steps[i].get::<true>(k);
                         let around = (steps.len() == 4).then(|| [at(0), at(1), at(2), at(3)]);
@@ -390,11 +454,11 @@ impl Plan<'_> {
                 #[inline(always)]
                 || {
                     if gradient {
-                        for k in 0..WIDTH {
+                        for k in 0..places.count() {
                             out.set::<true>(k, combine(k, out.get::<true>(k), other.get::<true>(k)));
                         }
                     } else {
-                        for k in 0..WIDTH {
+                        for k in 0..places.count() {
                             out.set::<false>(k, combine(k, out.get::<false>(k), other.get::<false>(k)));
                         }
                     }
@@ -414,31 +478,33 @@ impl Plan<'_> {
         scratch: &mut Scratch,
         gradient: bool,
     ) -> bool {
-        let mut inside = Box::new(Places { area: warp.image(&places.area), ..Places::default() });
-        let mut jacobians: Box<[Matrix; WIDTH]> = Box::new([[[0.0; 2]; 2]; WIDTH]);
+        let (mut inside, mut jacobians) = scratch.take_frame();
+        inside.area = warp.image(&places.area);
+        (inside.rows, inside.crossing) = (places.rows, places.crossing && warp.keeps_axes());
         widest(
             #[inline(always)]
             || {
-                for k in 0..WIDTH {
+                for (k, to) in jacobians.iter_mut().enumerate().take(places.count()) {
                     let (place, jacobian) = warp.enter(&places.get(k));
                     [inside.x[k], inside.y[k]] = place.at;
                     [inside.kappa[0][k], inside.kappa[1][k], inside.kappa[2][k]] =
                         [place.kappa.value, place.kappa.dx, place.kappa.dy];
-                    jacobians[k] = jacobian;
+                    *to = jacobian;
                 }
             },
         );
-        // Shared steps are kept by step, and each step belongs to one frame: no other places come to it.
+        // Shared results are kept by step, and each step belongs to one frame: no other places come to it.
         let found = self.block(child, &inside, out, scratch);
         if found {
-            for k in 0..WIDTH {
+            for (k, jacobian) in jacobians.iter().enumerate().take(places.count()) {
                 if gradient {
-                    out.set::<true>(k, warp.leave(&jacobians[k], out.get::<true>(k)));
+                    out.set::<true>(k, warp.leave(jacobian, out.get::<true>(k)));
                 } else {
-                    out.set::<false>(k, warp.leave(&jacobians[k], out.get::<false>(k)));
+                    out.set::<false>(k, warp.leave(jacobian, out.get::<false>(k)));
                 }
             }
         }
+        scratch.frames.push((inside, jacobians));
         found
     }
 }
@@ -453,9 +519,10 @@ fn run(gradient: bool, work: impl FnOnce(bool)) {
 }
 
 /// Places a step away.
+#[inline(never)]
 fn stepped(places: &Places, [dx, dy]: [f64; 2]) -> Box<Places> {
     let mut moved = Box::new(places.clone());
-    for k in 0..WIDTH {
+    for k in 0..places.count() {
         moved.x[k] += dx;
         moved.y[k] += dy;
     }

@@ -1,10 +1,16 @@
-//! What a node is at one point, and at a row of points.
+//! What a node is at one point, and at a block of points.
 
 use super::area::Area;
 use crate::noise::Sample;
 
-/// Points of one block; rows are cut into blocks of so many.
-pub const WIDTH: usize = 64;
+/// Points of a row of a block.
+pub const COLS: usize = crate::noise::COLS;
+
+/// Rows of a block, at most.
+pub const ROWS: usize = 12;
+
+/// Points of a block, at most: few enough that the blocks a node works on stay in the processor's first cache.
+pub const WIDTH: usize = COLS * ROWS;
 
 /// Elevation and weight at a point, both with their gradients.
 ///
@@ -35,8 +41,8 @@ pub struct Want {
     pub gradient: bool,
 }
 
-/// [`Point`]s of a block: value, derivative by x and derivative by y, each a row. Without gradients the latter two
-/// hold anything.
+/// [`Point`]s of a block, row by row: value, derivative by x and derivative by y. Without gradients the latter two
+/// hold anything, and so does all beyond the rows of the [`Places`].
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Elevations in metres.
@@ -45,7 +51,7 @@ pub struct Block {
     pub weight: [[f64; WIDTH]; 3],
 }
 
-/// [`Place`]s of a block, and a box that holds them.
+/// [`Place`]s of a block, row by row, and a box that holds them.
 #[derive(Clone, Debug)]
 pub struct Places {
     /// x of each.
@@ -56,6 +62,10 @@ pub struct Places {
     pub kappa: [[f64; WIDTH]; 3],
     /// A box that holds all of them.
     pub area: Area,
+    /// Rows that there are, each of [`COLS`] points, from 1 to [`ROWS`].
+    pub rows: usize,
+    /// Whether rows and columns cross: x depends on the column alone, and y on the row alone.
+    pub crossing: bool,
 }
 
 impl Point {
@@ -67,7 +77,14 @@ impl Point {
     #[inline(always)]
     #[must_use]
     pub fn settled(self) -> Self {
-        if self.weight.value > 0.0 { self } else { Self::NOTHING }
+        let some = self.weight.value > 0.0;
+        let kept = |value: f64| if some { value } else { 0.0 };
+        let (f, w) = (self.elevation, self.weight);
+        Self {
+            elevation: Sample { value: kept(f.value), dx: kept(f.dx), dy: kept(f.dy) },
+            // Not `kept`: compilers would make masked stores of it, which some processors are slow at.
+            weight: Sample { value: w.value.max(0.0), dx: kept(w.dx), dy: kept(w.dy) },
+        }
     }
 }
 
@@ -107,17 +124,45 @@ impl Block {
         }
     }
 
-    /// Sets all points to nothing.
-    pub fn clear(&mut self) {
-        *self = Self::default();
+    /// Sets the first `count` points to nothing, derivatives only if they are wanted.
+    pub fn clear(&mut self, count: usize, gradient: bool) {
+        let arrays = if gradient { 3 } else { 1 };
+        for values in self.elevation[..arrays].iter_mut().chain(&mut self.weight[..arrays]) {
+            values[..count].fill(0.0);
+        }
+    }
+
+    /// Copies the first `count` points of another block, derivatives only if they are wanted.
+    pub(super) fn copy(&mut self, other: &Self, count: usize, gradient: bool) {
+        for array in 0..if gradient { 3 } else { 1 } {
+            self.elevation[array][..count].copy_from_slice(&other.elevation[array][..count]);
+            self.weight[array][..count].copy_from_slice(&other.weight[array][..count]);
+        }
     }
 }
 
 impl Places {
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        self.rows.min(ROWS) * COLS
+    }
+
     /// The place at index `k`.
     #[inline(always)]
     pub fn get(&self, k: usize) -> Place {
         let kappa = Sample { value: self.kappa[0][k], dx: self.kappa[1][k], dy: self.kappa[2][k] };
         Place { at: [self.x[k], self.y[k]], kappa }
     }
+}
+
+/// The rows of a block.
+#[inline(always)]
+pub(super) fn rows<'a>(values: &'a [f64; WIDTH], places: &Places) -> &'a [[f64; COLS]] {
+    &values.as_chunks().0[..places.rows]
+}
+
+/// The rows of a block, to be set.
+#[inline(always)]
+pub(super) fn rows_mut<'a>(values: &'a mut [f64; WIDTH], places: &Places) -> &'a mut [[f64; COLS]] {
+    &mut values.as_chunks_mut().0[..places.rows]
 }

@@ -4,10 +4,13 @@
 //! it, plainly (fractal noise), by absolute values (turbulence), or so that each octave's weight depends on the one
 //! before (ridged multifractal). All have exact gradients, bounds that hold everywhere, and bounds over a disc.
 //!
-//! Only `+ - *`, comparisons, `floor` and integers are used, and a row of points goes through the same steps as one
+//! Only `+ - *`, comparisons, `floor` and integers are used, and many points go through the same steps as one
 //! point: results are the same to the bit on every machine, with vectors or without.
 
+mod bounds;
 mod curvature;
+mod eta;
+mod filter;
 mod gradient;
 mod octave;
 mod sum;
@@ -15,9 +18,11 @@ mod sum;
 mod tests;
 
 pub use curvature::CURVATURE;
+pub use eta::COLS;
+pub use filter::Filter;
 pub use gradient::{SLOPE, gradient_noise};
 pub use octave::{Octave, Spectrum};
-pub use sum::{Filter, NoiseKind, NoiseSum, Rows};
+pub use sum::{Levels, NoiseKind, NoiseSum, Rows};
 
 /// A value with its derivatives by x and y.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,12 +1,9 @@
-//! Sums of octaves of noise, with their gradients and bounds.
+//! Sums of octaves of noise, with their gradients.
 
-use super::curvature::CURVATURE;
-use super::gradient::{SLOPE, gradient_noise};
-use super::{Octave, Sample};
-use crate::interval::{Interval, product};
-
-/// Points that go through one octave together.
-const CHUNK: usize = 64;
+use super::eta::{COLS, Eta, ROWS};
+use super::gradient::gradient_noise;
+use super::{Filter, Octave, Sample};
+use std::cell::Cell;
 
 /// How octaves are added.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,37 +23,37 @@ pub enum NoiseKind {
     },
 }
 
-/// When an octave sets in with growing level of detail kappa of `[0, 1]`: 0 up to `from`, 1 beyond `to`.
-///
-/// Between, `(1 - (1 - t)²)³` with `t = (kappa - from) / (to - from)`. The printed filter of Génevaux et al. 2015,
-/// section 6, `(1 - t²)³`, falls from 1 to 0 and jumps at both ends; this is its mirror image, which rises from 0
-/// to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Filter {
-    /// Level of detail at which the octave begins to show.
-    pub from: f64,
-    /// Level of detail at which it is whole; more than `from`.
-    pub to: f64,
-}
-
 /// A sum of octaves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseSum {
+    base: f64,
     kind: NoiseKind,
     octaves: Vec<Octave>,
     filters: Vec<Filter>,
 }
 
-/// Where a row of results goes; all three are as long as the row.
+/// Where rows of results go; all three are as long as there are rows.
 #[derive(Debug)]
 pub struct Rows<'a> {
     /// Values.
-    pub value: &'a mut [f64],
+    pub value: &'a mut [[f64; COLS]],
     /// Derivatives by x; left alone when no gradient is asked for.
-    pub dx: &'a mut [f64],
+    pub dx: &'a mut [[f64; COLS]],
     /// Derivatives by y; left alone when no gradient is asked for.
-    pub dy: &'a mut [f64],
+    pub dy: &'a mut [[f64; COLS]],
 }
+
+/// Where the points are.
+#[derive(Clone, Copy)]
+enum Points<'a> {
+    /// Where columns and rows cross.
+    Crossing(&'a [f64; COLS], &'a [f64]),
+    /// Anywhere.
+    Scattered(&'a [[f64; COLS]], &'a [[f64; COLS]]),
+}
+
+/// Levels of detail of rows of points, with their derivatives.
+pub type Levels<'a> = [&'a [[f64; COLS]]; 3];
 
 /// The signal of the octave before and the sum so far, at one point.
 #[derive(Clone, Copy, Default)]
@@ -65,46 +62,25 @@ struct State {
     signal: Sample,
 }
 
-impl Filter {
-    /// Share of the octave at a level of detail, and its derivative.
-    #[inline(always)]
-    pub fn share(&self, kappa: f64) -> (f64, f64) {
-        let width = self.to - self.from;
-        let t = ((kappa - self.from) / width).clamp(0.0, 1.0);
-        let (back, s) = (1.0 - t, t * (2.0 - t));
-        (s * s * s, 6.0 * back * (s * s) / width)
-    }
-
-    /// Bound of the derivative of [`Filter::share`]: 96 sqrt(5) / 125 over the width.
-    pub fn slope(&self) -> f64 {
-        1.717_301_6 / (self.to - self.from)
-    }
-}
-
-/// Adds one octave at one point.
+/// Adds one octave at one point: its noise, and the share of it that shows, with derivatives, where it is filtered.
 #[inline(always)]
 fn step<const GRADIENT: bool>(
     kind: NoiseKind,
     first: bool,
     octave: &Octave,
-    (share, share_x, share_y): (f64, f64, f64),
-    (x, y): (f64, f64),
+    share: Option<Sample>,
+    n: Sample,
     state: &mut State,
 ) {
-    let n = gradient_noise::<GRADIENT>(
-        octave.seed,
-        x * octave.frequency + octave.shift[0],
-        y * octave.frequency + octave.shift[1],
-    );
     let (nx, ny) = (n.dx * octave.frequency, n.dy * octave.frequency);
     let sign = if n.value < 0.0 { -1.0 } else { 1.0 };
-    let (t, tx, ty) = match kind {
-        NoiseKind::Fractal => (n.value, nx, ny),
-        NoiseKind::Turbulence => (n.value.abs(), sign * nx, sign * ny),
+    let t = match kind {
+        NoiseKind::Fractal => Sample { value: n.value, dx: nx, dy: ny },
+        NoiseKind::Turbulence => Sample { value: n.value.abs(), dx: sign * nx, dy: sign * ny },
         NoiseKind::Ridged { offset, gain } => {
             let r = offset - n.value.abs();
             let square = r * r;
-            let s = if first {
+            state.signal = if first {
                 Sample { value: square, dx: -2.0 * r * (sign * nx), dy: -2.0 * r * (sign * ny) }
             } else {
                 let raw = gain * state.signal.value;
@@ -118,22 +94,39 @@ fn step<const GRADIENT: bool>(
                     dy: fold * ny + slope * state.signal.dy,
                 }
             };
-            state.signal = s;
-            (s.value, s.dx, s.dy)
+            state.signal
         }
     };
-    let a = octave.amplitude;
-    state.sum.value += a * (t * share);
+    let t = match share {
+        None => t,
+        Some(share) => Sample {
+            value: t.value * share.value,
+            dx: t.dx * share.value + t.value * share.dx,
+            dy: t.dy * share.value + t.value * share.dy,
+        },
+    };
+    state.sum.value += octave.amplitude * t.value;
     if GRADIENT {
-        state.sum.dx += a * (tx * share + t * share_x);
-        state.sum.dy += a * (ty * share + t * share_y);
+        state.sum.dx += octave.amplitude * t.dx;
+        state.sum.dy += octave.amplitude * t.dy;
     }
 }
 
 impl NoiseSum {
     /// A sum of octaves, coarsest first.
     pub fn new(kind: NoiseKind, octaves: Vec<Octave>) -> Self {
-        Self { kind, octaves, filters: vec![] }
+        Self { base: 0.0, kind, octaves, filters: vec![] }
+    }
+
+    /// The sum that begins with a number: the elevation around which the noise goes up and down.
+    #[must_use]
+    pub fn with_base(self, base: f64) -> Self {
+        Self { base, ..self }
+    }
+
+    /// The number that the sum begins with, 0 unless said otherwise.
+    pub fn base(&self) -> f64 {
+        self.base
     }
 
     /// The sum whose octaves set in with the level of detail, one filter an octave.
@@ -162,171 +155,182 @@ impl NoiseSum {
         &self.filters
     }
 
-    /// What share of octave `i` shows at a level of detail, with derivatives.
-    #[inline(always)]
-    fn share(&self, i: usize, kappa: Sample) -> (f64, f64, f64) {
-        match self.filters.get(i) {
-            None => (1.0, 0.0, 0.0),
-            Some(filter) => {
-                let (share, slope) = filter.share(kappa.value);
-                (share, slope * kappa.dx, slope * kappa.dy)
-            }
-        }
-    }
-
     /// The sum at `(x, y)`, with its gradient; `kappa` is the level of detail there, of use to filters alone.
     ///
     /// Where the sum has a crease (turbulence, ridges) the gradient is that of one side.
     pub fn at(&self, x: f64, y: f64, kappa: Sample) -> Sample {
         let mut state = State::default();
+        state.sum.value = self.base;
         for (i, octave) in self.octaves.iter().enumerate() {
-            step::<true>(self.kind, i == 0, octave, self.share(i, kappa), (x, y), &mut state);
+            let (x, y) = (x * octave.frequency + octave.shift[0], y * octave.frequency + octave.shift[1]);
+            let n = gradient_noise::<true>(octave.seed, x, y);
+            step::<true>(
+                self.kind,
+                i == 0,
+                octave,
+                self.filters.get(i).map(|filter| filter.sample(kappa)),
+                n,
+                &mut state,
+            );
         }
         state.sum
     }
 
-    /// The sum at a row of points, the same to the bit as [`NoiseSum::at`]; `kappa` are levels of detail with their
-    /// derivatives, where there are filters.
+    /// The sum where columns at `xs` cross rows at `ys`, the same to the bit as [`NoiseSum::at`]; `kappa` are levels of
+    /// detail where there are filters, otherwise not looked at.
     ///
     /// Inlined, so that it is compiled for the vectors that the caller dispatches to.
     ///
     /// # Panics
-    /// When slices differ in length.
+    /// When there are not as many rows of results, or of levels where there are filters, as heights.
     #[inline(always)]
-    pub fn row<const GRADIENT: bool>(&self, xs: &[f64], ys: &[f64], kappa: Option<[&[f64]; 3]>, out: Rows<'_>) {
-        match (self.kind, kappa) {
-            (NoiseKind::Fractal, None) => self.row_of::<GRADIENT, _>(NoiseKind::Fractal, xs, ys, |_, _| ONE, out),
-            (NoiseKind::Turbulence, None) => self.row_of::<GRADIENT, _>(NoiseKind::Turbulence, xs, ys, |_, _| ONE, out),
-            (ridged, None) => self.row_of::<GRADIENT, _>(ridged, xs, ys, |_, _| ONE, out),
-            (kind, Some([value, dx, dy])) => {
-                let share = |i, at| self.share(i, Sample { value: value[at], dx: dx[at], dy: dy[at] });
-                self.row_of::<GRADIENT, _>(kind, xs, ys, share, out);
-            }
-        }
+    pub fn cross<const GRADIENT: bool>(&self, xs: &[f64; COLS], ys: &[f64], kappa: Levels<'_>, out: Rows<'_>) {
+        self.rows::<GRADIENT>(Points::Crossing(xs, ys), ys.len(), kappa, out);
     }
 
-    /// [`NoiseSum::row`] for a kind that the compiler may know.
+    /// The sum at rows of any points, the same to the bit as [`NoiseSum::at`]; see [`NoiseSum::cross`].
+    ///
+    /// # Panics
+    /// As [`NoiseSum::cross`].
     #[inline(always)]
-    fn row_of<const GRADIENT: bool, S: Fn(usize, usize) -> (f64, f64, f64)>(
+    pub fn scatter<const GRADIENT: bool>(
         &self,
-        kind: NoiseKind,
-        xs: &[f64],
-        ys: &[f64],
-        share: S,
+        xs: &[[f64; COLS]],
+        ys: &[[f64; COLS]],
+        kappa: Levels<'_>,
         out: Rows<'_>,
     ) {
-        let count = xs.len();
-        assert!(ys.len() == count && out.value.len() == count, "one result a point");
-        assert!(out.dx.len() == count && out.dy.len() == count, "one result a point");
-        let mut from = 0;
-        while from < count {
-            let n = CHUNK.min(count - from);
-            // Always whole chunks: loops of a known length become vectors.
-            let (mut px, mut py) = ([0.0; CHUNK], [0.0; CHUNK]);
-            px[..n].copy_from_slice(&xs[from..from + n]);
-            py[..n].copy_from_slice(&ys[from..from + n]);
-            let (mut sum, mut sum_x, mut sum_y) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
-            let (mut signal, mut signal_x, mut signal_y) = ([0.0; CHUNK], [0.0; CHUNK], [0.0; CHUNK]);
+        assert_eq!(xs.len(), ys.len(), "as many rows of x as of y");
+        self.rows::<GRADIENT>(Points::Scattered(xs, ys), xs.len(), kappa, out);
+    }
+
+    /// Rows of the sum.
+    #[inline(always)]
+    fn rows<const GRADIENT: bool>(&self, points: Points<'_>, count: usize, kappa: Levels<'_>, out: Rows<'_>) {
+        let Rows { value, dx, dy } = out;
+        if self.octaves.is_empty() {
+            value.fill([self.base; COLS]);
+            dx.fill([0.0; COLS]);
+            dy.fill([0.0; COLS]);
+            return;
+        }
+        assert!(value.len() == count && dx.len() == count && dy.len() == count, "one row of results a row");
+        let mut room = ROOM.take().unwrap_or_default();
+        let Room { eta, signal } = room.as_mut();
+        for from in (0..count).step_by(ROWS) {
+            let to = count.min(from + ROWS);
+            // Once for all octaves.
+            let mut heights = [0.0; ROWS];
+            if let Points::Crossing(_, ys) = points {
+                heights[..to - from].copy_from_slice(&ys[from..to]);
+            }
+            let mut sums = Sums {
+                base: self.base,
+                value: &mut value[from..to],
+                dx: &mut dx[from..to],
+                dy: &mut dy[from..to],
+                signal: &mut *signal,
+            };
             for (i, octave) in self.octaves.iter().enumerate() {
-                let (octave, first) = (*octave, i == 0);
-                for k in 0..CHUNK {
-                    let mut state = State {
-                        sum: Sample { value: sum[k], dx: sum_x[k], dy: sum_y[k] },
-                        signal: Sample { value: signal[k], dx: signal_x[k], dy: signal_y[k] },
-                    };
-                    step::<GRADIENT>(
-                        kind,
-                        first,
-                        &octave,
-                        share(i, (from + k).min(count - 1)),
-                        (px[k], py[k]),
-                        &mut state,
-                    );
-                    (sum[k], signal[k]) = (state.sum.value, state.signal.value);
-                    if GRADIENT {
-                        (sum_x[k], sum_y[k]) = (state.sum.dx, state.sum.dy);
-                        (signal_x[k], signal_y[k]) = (state.signal.dx, state.signal.dy);
+                match points {
+                    Points::Crossing(xs, _) => eta.cross::<GRADIENT>(octave, xs, &heights, to - from),
+                    Points::Scattered(xs, ys) => eta.scatter::<GRADIENT>(octave, &xs[from..to], &ys[from..to]),
+                }
+                // Each kind a loop of its own.
+                match (self.kind, self.filters.get(i)) {
+                    (NoiseKind::Fractal, None) => {
+                        sums.add::<GRADIENT>(NoiseKind::Fractal, i == 0, octave, eta, None);
+                    }
+                    (NoiseKind::Turbulence, None) => {
+                        sums.add::<GRADIENT>(NoiseKind::Turbulence, i == 0, octave, eta, None);
+                    }
+                    (ridged, None) if i == 0 => sums.add::<GRADIENT>(ridged, true, octave, eta, None),
+                    (ridged, None) => sums.add::<GRADIENT>(ridged, false, octave, eta, None),
+                    (kind, Some(filter)) => {
+                        let [value, dx, dy] = kappa;
+                        let kappa = [&value[from..to], &dx[from..to], &dy[from..to]];
+                        sums.add::<GRADIENT>(kind, i == 0, octave, eta, Some((filter, kappa)));
                     }
                 }
             }
-            out.value[from..from + n].copy_from_slice(&sum[..n]);
-            if GRADIENT {
-                out.dx[from..from + n].copy_from_slice(&sum_x[..n]);
-                out.dy[from..from + n].copy_from_slice(&sum_y[..n]);
-            }
-            from += n;
         }
-    }
-
-    /// Range and slope over the whole plane; `kappa` is the range of the level of detail and a bound of its slope.
-    pub fn bounds(&self, kappa: (Interval, f64)) -> (Interval, f64) {
-        self.bounds_of(kappa, |_| (Interval::new(-1.0, 1.0), SLOPE))
-    }
-
-    /// Range and slope over the disc of a radius around `(x, y)`.
-    ///
-    /// In a disc that is small next to an octave's bumps that octave's slope is not far from that at the centre, nor is
-    /// its value.
-    pub fn bounds_near(&self, x: f64, y: f64, radius: f64, kappa: (Interval, f64)) -> (Interval, f64) {
-        self.bounds_of(kappa, |octave| {
-            let whole = Interval::new(-1.0, 1.0);
-            let radius = octave.frequency.abs() * radius;
-            if SLOPE * radius >= 1.0 {
-                return (whole, SLOPE);
-            }
-            let (x, y) = (x * octave.frequency + octave.shift[0], y * octave.frequency + octave.shift[1]);
-            let n = gradient_noise::<true>(octave.seed, x, y);
-            // Slopes beyond CURVATURE times the radius of the centre's are not there; the value changes by the mean.
-            let slope = (n.dx * n.dx + n.dy * n.dy).sqrt() * (1.0 + 1e-12) + 1e-12;
-            let (steep, mean) = (slope + CURVATURE * radius, slope + 0.5 * CURVATURE * radius);
-            (whole.meet(Interval::around(n.value, SLOPE.min(mean) * radius)), SLOPE.min(steep))
-        })
-    }
-
-    /// Bounds from those of each octave's noise, value and slope. The slope of a plain sum is the sum of `a_i s_i` [`SLOPE`] (the
-    /// paper, section 7.3.1, divides by `s_i`, which are frequencies). For ridges, with `r_i = offset - |eta_i|`:
-    /// `|grad S_i| <= 2 |r_i| W_i s_i SLOPE + r_i² gain |grad S_{i-1}|`.
-    fn bounds_of(
-        &self,
-        (kappa, kappa_slope): (Interval, f64),
-        eta: impl Fn(&Octave) -> (Interval, f64),
-    ) -> (Interval, f64) {
-        let (mut range, mut slope) = (Interval::ZERO, 0.0);
-        let (mut signal, mut signal_slope) = (Interval::ZERO, 0.0);
-        for (i, octave) in self.octaves.iter().enumerate() {
-            let (eta, steep) = eta(octave);
-            let steep = steep * octave.frequency.abs();
-            let (term, term_slope) = match self.kind {
-                NoiseKind::Fractal => (eta, steep),
-                NoiseKind::Turbulence => (eta.abs(), steep),
-                NoiseKind::Ridged { offset, gain } => {
-                    let r = Interval::point(offset).minus(eta.abs());
-                    let (weight, weight_slope) = if i == 0 {
-                        (Interval::ONE, 0.0)
-                    } else {
-                        let raw = signal.scaled(gain);
-                        let moves = raw.min < 1.0 && raw.max > 0.0;
-                        (raw.clamped(0.0, 1.0), if moves { gain.abs() * signal_slope } else { 0.0 })
-                    };
-                    signal = r.square().times(weight);
-                    signal_slope = 2.0 * r.size() * weight.max * steep + r.square().max * weight_slope;
-                    (signal, signal_slope)
-                }
-            };
-            let (share, share_slope) = match self.filters.get(i) {
-                None => (Interval::ONE, 0.0),
-                Some(filter) => {
-                    let share = Interval::new(filter.share(kappa.min).0, filter.share(kappa.max).0);
-                    let moves = kappa.min < filter.to && kappa.max > filter.from;
-                    (share, if moves { product(filter.slope(), kappa_slope) } else { 0.0 })
-                }
-            };
-            range = range.plus(term.times(share).scaled(octave.amplitude));
-            slope += octave.amplitude.abs() * (term_slope * share.max + product(term.size(), share_slope));
-        }
-        (range.widened(), slope * (1.0 + 1e-12))
+        ROOM.set(Some(room));
     }
 }
 
-/// The share of an octave that nothing filters.
-const ONE: (f64, f64, f64) = (1.0, 0.0, 0.0);
+/// Sums and signals of up to [`ROWS`] rows of points.
+struct Sums<'a> {
+    base: f64,
+    value: &'a mut [[f64; COLS]],
+    dx: &'a mut [[f64; COLS]],
+    dy: &'a mut [[f64; COLS]],
+    signal: &'a mut [[[f64; COLS]; ROWS]; 3],
+}
+
+/// Memory of one thread for rows of points, kept because clearing it would take as long as an octave.
+struct Room {
+    eta: Eta,
+    signal: [[[f64; COLS]; ROWS]; 3],
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Self { eta: Eta::default(), signal: [[[0.0; COLS]; ROWS]; 3] }
+    }
+}
+
+thread_local! {
+    static ROOM: Cell<Option<Box<Room>>> = const { Cell::new(None) };
+}
+
+impl Sums<'_> {
+    /// Adds one octave. The first sets, whatever was there before.
+    #[inline(always)]
+    fn add<const GRADIENT: bool>(
+        &mut self,
+        kind: NoiseKind,
+        first: bool,
+        octave: &Octave,
+        eta: &Eta,
+        filter: Option<(&Filter, Levels<'_>)>,
+    ) {
+        let octave = *octave;
+        for r in 0..self.value.len() {
+            let sum = &mut self.value[r];
+            let [signal, signal_x, signal_y] = &mut *self.signal;
+            let (signal, signal_x, signal_y) = (&mut signal[r], &mut signal_x[r], &mut signal_y[r]);
+            let (sum_x, sum_y) = (&mut self.dx[r], &mut self.dy[r]);
+            let (n, nx, ny) = (&eta.value[r], &eta.dx[r], &eta.dy[r]);
+            if first {
+                *sum = [self.base; COLS];
+                if GRADIENT {
+                    (*sum_x, *sum_y) = ([0.0; COLS], [0.0; COLS]);
+                }
+            }
+            for k in 0..COLS {
+                let (mut state, mut n) = (State::default(), Sample { value: n[k], dx: 0.0, dy: 0.0 });
+                (state.sum.value, state.signal.value) = (sum[k], signal[k]);
+                if GRADIENT {
+                    (n.dx, n.dy) = (nx[k], ny[k]);
+                    (state.sum.dx, state.sum.dy) = (sum_x[k], sum_y[k]);
+                    (state.signal.dx, state.signal.dy) = (signal_x[k], signal_y[k]);
+                }
+                let share = filter.map(
+                    #[inline(always)]
+                    |(filter, [value, dx, dy])| {
+                        filter.sample(Sample { value: value[r][k], dx: dx[r][k], dy: dy[r][k] })
+                    },
+                );
+                step::<GRADIENT>(kind, first, &octave, share, n, &mut state);
+                sum[k] = state.sum.value;
+                if matches!(kind, NoiseKind::Ridged { .. }) {
+                    signal[k] = state.signal.value;
+                }
+                if GRADIENT {
+                    (sum_x[k], sum_y[k]) = (state.sum.dx, state.sum.dy);
+                    (signal_x[k], signal_y[k]) = (state.signal.dx, state.signal.dy);
+                }
+            }
+        }
+    }
+}

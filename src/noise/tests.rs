@@ -73,24 +73,66 @@ proptest! {
     }
 
     #[test]
-    fn rows_equal_points_to_the_bit(sum in sums(), count in 0..150_usize, x in -300.0..300.0_f64, step in -3.0..3.0_f64) {
-        let xs: Vec<f64> = (0..count).map(|i| x + step * i as f64).collect();
-        let ys: Vec<f64> = (0..count).map(|i| 7.0 - 0.3 * step * i as f64).collect();
-        let levels: Vec<Sample> = xs.iter().map(|&x| kappa(x)).collect();
-        let column = |f: fn(&Sample) -> f64| levels.iter().map(f).collect::<Vec<f64>>();
-        let levels = [column(|k| k.value), column(|k| k.dx), column(|k| k.dy)];
-        let levels = [&levels[0][..], &levels[1], &levels[2]];
-        let levels = (!sum.filters().is_empty()).then_some(levels);
-        let mut with = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
-        let mut without = with.clone();
-        let [value, dx, dy] = &mut with;
-        sum.row::<true>(&xs, &ys, levels, Rows { value, dx, dy });
-        let [value, dx, dy] = &mut without;
-        sum.row::<false>(&xs, &ys, levels, Rows { value, dx, dy });
-        for i in 0..count {
-            let n = sum.at(xs[i], ys[i], kappa(xs[i]));
-            prop_assert_eq!([with[0][i], with[1][i], with[2][i]].map(f64::to_bits), [n.value, n.dx, n.dy].map(f64::to_bits));
-            prop_assert_eq!(without[0][i].to_bits(), n.value.to_bits());
+    fn crossings_equal_points_to_the_bit(
+        sum in sums(), count in 0..40_usize, x in -300.0..300.0_f64, y in -300.0..300.0_f64, way in steps(), down in steps(),
+    ) {
+        let xs: [f64; COLS] = std::array::from_fn(|k| x + way * k.min(28) as f64);
+        let ys: Vec<f64> = (0..count).map(|r| y + down * r as f64).collect();
+        let places: Vec<[(f64, f64); COLS]> = ys.iter().map(|&y| xs.map(|x| (x, y))).collect();
+        agrees(&sum, &places, |levels, gradient, out| {
+            if gradient {
+                sum.cross::<true>(&xs, &ys, levels, out);
+            } else {
+                sum.cross::<false>(&xs, &ys, levels, out);
+            }
+        });
+    }
+
+    #[test]
+    fn scattered_points_equal_points_to_the_bit(
+        sum in sums(), count in 0..40_usize, x in -300.0..300.0_f64, y in -300.0..300.0_f64, way in steps(), down in steps(),
+    ) {
+        let place = |r: usize, k: usize| {
+            let (along, across) = (way * k as f64, down * r as f64);
+            (x + 0.8 * along - 0.6 * across, y + 0.6 * along + 0.8 * across)
+        };
+        let places: Vec<[(f64, f64); COLS]> = (0..count).map(|r| std::array::from_fn(|k| place(r, k))).collect();
+        let xs: Vec<[f64; COLS]> = places.iter().map(|row| row.map(|at| at.0)).collect();
+        let ys: Vec<[f64; COLS]> = places.iter().map(|row| row.map(|at| at.1)).collect();
+        agrees(&sum, &places, |levels, gradient, out| {
+            if gradient {
+                sum.scatter::<true>(&xs, &ys, levels, out);
+            } else {
+                sum.scatter::<false>(&xs, &ys, levels, out);
+            }
+        });
+    }
+}
+
+/// Ways from a point to the next: none, small next to a cell, larger than one, in both directions.
+fn steps() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), -0.1..0.1_f64, -3.0..3.0_f64, -40.0..40.0_f64, -4000.0..4000.0_f64]
+}
+
+/// Asserts that rows of points, with and without gradients, are those of single points to the bit.
+fn agrees(sum: &NoiseSum, places: &[[(f64, f64); COLS]], evaluate: impl Fn(Levels<'_>, bool, Rows<'_>)) {
+    let level =
+        |f: fn(&Sample) -> f64| places.iter().map(|row| row.map(|(x, _)| f(&kappa(x)))).collect::<Vec<[f64; COLS]>>();
+    let levels = [level(|k| k.value), level(|k| k.dx), level(|k| k.dy)];
+    let levels = [&levels[0][..], &levels[1], &levels[2]];
+    let anything = vec![[7.0; COLS]; places.len()];
+    let mut with = [anything.clone(), anything.clone(), anything];
+    let mut without = with.clone();
+    let [value, dx, dy] = &mut with;
+    evaluate(levels, true, Rows { value, dx, dy });
+    let [value, dx, dy] = &mut without;
+    evaluate(levels, false, Rows { value, dx, dy });
+    for (r, row) in places.iter().enumerate() {
+        for (k, &(x, y)) in row.iter().enumerate() {
+            let n = sum.at(x, y, kappa(x));
+            let found = [with[0][r][k], with[1][r][k], with[2][r][k]];
+            assert_eq!(found.map(f64::to_bits), [n.value, n.dx, n.dy].map(f64::to_bits), "{x} {y}: {found:?}, {n:?}");
+            assert_eq!(without[0][r][k].to_bits(), n.value.to_bits(), "{x} {y} without gradient");
         }
     }
 }

@@ -76,6 +76,8 @@ pub fn image() -> impl Strategy<Value = ImageSpec> {
         0 => MappingSpec::Box([x, y], [x + side, y + side * (0.7 + a)]),
         1 => {
             let corner = |u: f64, v: f64| [x + side * u, y - side * v];
+            // Beyond a third some are not convex.
+            let [a, b, c, d] = [a, b, c, d].map(|share| share * 0.8);
             let corners =
                 [corner(0.0, 0.0), corner(1.0 + a, b / 2.0), corner(1.0 + c, 1.0 + d), corner(c / 2.0, 1.0 + a / 2.0)];
             MappingSpec::Quadrangle(if mirrored { [corners[0], corners[3], corners[2], corners[1]] } else { corners })

@@ -195,7 +195,8 @@ fn write_vectors() {
         if !json.exists() {
             let file = std::fs::read(oro).expect("is there");
             let about = "Jacksboro, Tennessee (SRTM), as `orograph encode` wrote it when version 1 was released";
-            std::fs::write(json, format!("{{\n \"about\": {},\n{}", quoted(about), expectation(&file))).expect("is written");
+            std::fs::write(json, format!("{{\n \"about\": {},\n{}", quoted(about), expectation(&file)))
+                .expect("is written");
         }
     }
     for (name, about, file) in rejected::vectors() {

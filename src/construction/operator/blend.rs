@@ -50,8 +50,8 @@ pub(in crate::construction) fn blend(children: impl Iterator<Item = Point>) -> P
 
 /// Adds a child's block to the sums.
 #[inline(always)]
-pub(in crate::construction) fn gather_block<const GRADIENT: bool>(sum: &mut Block, child: &Block) {
-    for k in 0..WIDTH {
+pub(in crate::construction) fn gather_block<const GRADIENT: bool>(sum: &mut Block, child: &Block, count: usize) {
+    for k in 0..count.min(WIDTH) {
         let mut point = sum.get::<GRADIENT>(k);
         gather::<GRADIENT>(&mut point, &child.get::<GRADIENT>(k));
         sum.set::<GRADIENT>(k, point);
@@ -60,8 +60,8 @@ pub(in crate::construction) fn gather_block<const GRADIENT: bool>(sum: &mut Bloc
 
 /// The blend of what was gathered, in place.
 #[inline(always)]
-pub(in crate::construction) fn divide_block<const GRADIENT: bool>(sum: &mut Block) {
-    for k in 0..WIDTH {
+pub(in crate::construction) fn divide_block<const GRADIENT: bool>(sum: &mut Block, count: usize) {
+    for k in 0..count.min(WIDTH) {
         sum.set::<GRADIENT>(k, divide::<GRADIENT>(sum.get::<GRADIENT>(k)));
     }
 }

@@ -5,10 +5,14 @@ use super::skeleton::{Hit, Skeleton, cross, dot};
 use super::{FallOff, Primitive};
 use crate::construction::area::{Area, Region};
 use crate::construction::bounds::Bounds;
-use crate::construction::point::{Block, Place, Places, Point, WIDTH, Want};
+use crate::construction::point::{Block, Place, Places, Point, Want};
+use crate::construction::vectors::widest;
 use crate::error::{Error, Result};
 use crate::interval::{Interval, product};
 use crate::noise::Sample;
+
+/// Places whose nearest points are found at once.
+const LANES: usize = 8;
 
 /// A river or a road: `f(p) = q_z + c(d)`, q the nearest point of the skeleton, d the signed distance from it (positive
 /// on the left), c the cross-section there (Génevaux et al. 2015, section 4.1).
@@ -199,11 +203,24 @@ impl Primitive for Curve {
         let mut pieces = vec![];
         let radius_m = self.fall_off.radius_m();
         self.skeleton.near(&places.area, radius_m, &mut pieces);
-        for k in 0..WIDTH {
-            let at = [places.x[k], places.y[k]];
-            let hit = self.skeleton.nearest(&pieces, at, radius_m);
-            out.set::<true>(k, hit.map_or(Point::NOTHING, |hit| self.point(at, &hit)));
+        let (xs, ys) = (places.x.as_chunks::<LANES>().0, places.y.as_chunks::<LANES>().0);
+        for (i, (xs, ys)) in xs.iter().zip(ys).take(places.count().div_ceil(LANES)).enumerate() {
+            let found = widest(
+                #[inline(always)]
+                || self.skeleton.nearest_of(&pieces, xs, ys, radius_m),
+            );
+            for k in 0..LANES {
+                let hit = self.skeleton.hit(&found, k);
+                let point = hit.map_or(Point::NOTHING, |hit| self.point([xs[k], ys[k]], &hit));
+                out.set::<true>(i * LANES + k, point);
+            }
         }
+    }
+
+    fn misses(&self, area: &Area) -> bool {
+        let (centre, radius) = (area.centre(), area.radius());
+        // Half the diagonal is a little more than rounding takes away.
+        radius.is_finite() && self.skeleton.distance_m(centre, self.fall_off.radius_m() + radius).is_none()
     }
 
     fn bytes(&self) -> usize {

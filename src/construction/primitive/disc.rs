@@ -3,7 +3,7 @@
 use super::{FallOff, Primitive};
 use crate::construction::area::{Area, Region};
 use crate::construction::bounds::Bounds;
-use crate::construction::point::{Block, Place, Places, Point, WIDTH, Want};
+use crate::construction::point::{Block, COLS, Place, Places, Point, ROWS, Want, rows, rows_mut};
 use crate::construction::vectors::widest;
 use crate::error::{Error, Result};
 use crate::interval::Interval;
@@ -36,50 +36,133 @@ impl Disc {
         if !(centre[0].is_finite() && centre[1].is_finite() && base_m.is_finite() && sound) {
             return Err(Error::usage("a disc needs finite coordinates, elevation, amplitudes and wavelengths"));
         }
+        let noise = noise.map(|noise| noise.with_base(base_m));
         Ok(Self { centre, base_m, noise, fall_off })
     }
 
     /// Weights, and elevations where wanted, of a block.
     #[inline(always)]
     fn fill<const GRADIENT: bool>(&self, places: &Places, elevation: bool, out: &mut Block) {
-        let (mut xs, mut ys) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for k in 0..WIDTH {
-            xs[k] = places.x[k] - self.centre[0];
-            ys[k] = places.y[k] - self.centre[1];
-        }
+        let [weight, weight_x, weight_y] = &mut out.weight;
+        let (weight, weight_x, weight_y) =
+            (rows_mut(weight, places), rows_mut(weight_x, places), rows_mut(weight_y, places));
+        let (xs, ys) = (rows(&places.x, places), rows(&places.y, places));
         match &self.fall_off {
-            None => out.weight = [[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
+            None => {
+                weight.fill([1.0; COLS]);
+                if GRADIENT {
+                    weight_x.fill([0.0; COLS]);
+                    weight_y.fill([0.0; COLS]);
+                }
+            }
             Some(fall_off) => {
-                for k in 0..WIDTH {
-                    let w = fall_off.around(xs[k], ys[k]);
-                    out.weight[0][k] = w.value;
+                for r in 0..xs.len() {
+                    if !GRADIENT && places.crossing {
+                        let (dx, dy) = (less(&xs[0], self.centre[0]), ys[r][0] - self.centre[1]);
+                        if fall_off.plateau_m() > 0.0 {
+                            let _ = weigh::<true>(fall_off, &dx, &[dy; COLS], &mut weight[r]);
+                        } else {
+                            let _ = weigh::<false>(fall_off, &dx, &[dy; COLS], &mut weight[r]);
+                        }
+                        continue;
+                    }
+                    let (dx, dy) = (less(&xs[r], self.centre[0]), less(&ys[r], self.centre[1]));
+                    let slopes = if fall_off.plateau_m() > 0.0 {
+                        weigh::<true>(fall_off, &dx, &dy, &mut weight[r])
+                    } else {
+                        weigh::<false>(fall_off, &dx, &dy, &mut weight[r])
+                    };
                     if GRADIENT {
-                        out.weight[1][k] = w.dx;
-                        out.weight[2][k] = w.dy;
+                        for k in 0..COLS {
+                            (weight_x[r][k], weight_y[r][k]) = (slopes[k] * dx[k], slopes[k] * dy[k]);
+                        }
                     }
                 }
             }
         }
-        if !elevation {
-            out.elevation = [[0.0; WIDTH]; 3];
+        if elevation {
+            self.rise::<GRADIENT>(places, out);
+        } else {
+            out.elevation[0][..places.count()].fill(0.0);
+            out.elevation[1][..places.count()].fill(0.0);
+            out.elevation[2][..places.count()].fill(0.0);
+        }
+    }
+
+    /// Elevations of a block whose weights are known.
+    #[inline(always)]
+    fn rise<const GRADIENT: bool>(&self, places: &Places, out: &mut Block) {
+        let [value, dx, dy] = &mut out.elevation;
+        let (value, dx, dy) = (rows_mut(value, places), rows_mut(dx, places), rows_mut(dy, places));
+        if let Some(noise) = &self.noise {
+            let [kappa, kappa_x, kappa_y] = &places.kappa;
+            let kappa = [rows(kappa, places), rows(kappa_x, places), rows(kappa_y, places)];
+            let (xs, ys) = (rows(&places.x, places), rows(&places.y, places));
+            if places.crossing {
+                let mut heights = [0.0; ROWS];
+                for (height, ys) in heights.iter_mut().zip(ys) {
+                    *height = ys[0] - self.centre[1];
+                }
+                let xs = less(&xs[0], self.centre[0]);
+                noise.cross::<GRADIENT>(&xs, &heights[..ys.len()], kappa, Rows { value, dx, dy });
+            } else {
+                let (mut moved_x, mut moved_y) = ([[0.0; COLS]; ROWS], [[0.0; COLS]; ROWS]);
+                for r in 0..ys.len() {
+                    moved_x[r] = less(&xs[r], self.centre[0]);
+                    moved_y[r] = less(&ys[r], self.centre[1]);
+                }
+                let (xs, ys) = (&moved_x[..ys.len()], &moved_y[..ys.len()]);
+                noise.scatter::<GRADIENT>(xs, ys, kappa, Rows { value, dx, dy });
+            }
+        } else {
+            value.fill([self.base_m; COLS]);
+            if GRADIENT {
+                dx.fill([0.0; COLS]);
+                dy.fill([0.0; COLS]);
+            }
+        }
+        let furthest = places.area.square_distances(self.centre).max;
+        if self.fall_off.is_none_or(|fall_off| fall_off.at_square(furthest) > 0.0) {
             return;
         }
-        match &self.noise {
-            None => out.elevation = [[self.base_m; WIDTH], [0.0; WIDTH], [0.0; WIDTH]],
-            Some(noise) => {
-                let kappa = [&places.kappa[0][..], &places.kappa[1], &places.kappa[2]];
-                let kappa = (!noise.filters().is_empty()).then_some(kappa);
-                let [value, dx, dy] = &mut out.elevation;
-                noise.row::<GRADIENT>(&xs, &ys, kappa, Rows { value, dx, dy });
-                for value in &mut out.elevation[0] {
-                    *value += self.base_m;
+        // Where the weight is 0, so are its derivatives.
+        let [value, dx, dy] = &mut out.elevation;
+        let (value, dx, dy) = (rows_mut(value, places), rows_mut(dx, places), rows_mut(dy, places));
+        for (r, weight) in rows(&out.weight[0], places).iter().enumerate() {
+            for k in 0..COLS {
+                let kept = if weight[k] > 0.0 { 1.0 } else { 0.0 };
+                value[r][k] *= kept;
+                if GRADIENT {
+                    (dx[r][k], dy[r][k]) = (dx[r][k] * kept, dy[r][k] * kept);
                 }
             }
         }
-        for k in 0..WIDTH {
-            out.set::<GRADIENT>(k, out.get::<GRADIENT>(k).settled());
-        }
     }
+}
+
+/// Coordinates of a row, counted from the centre.
+#[inline(always)]
+fn less(row: &[f64; COLS], centre: f64) -> [f64; COLS] {
+    let mut moved = *row;
+    for value in &mut moved {
+        *value -= centre;
+    }
+    moved
+}
+
+/// Weights of a row at offsets from the centre; returns their derivatives over the distance.
+#[inline(always)]
+fn weigh<const PLATEAU: bool>(
+    fall_off: &FallOff,
+    dx: &[f64; COLS],
+    dy: &[f64; COLS],
+    weight: &mut [f64; COLS],
+) -> [f64; COLS] {
+    let mut slopes = [0.0; COLS];
+    for k in 0..COLS {
+        (weight[k], slopes[k]) = fall_off.of_square::<PLATEAU>(dx[k] * dx[k] + dy[k] * dy[k]);
+    }
+    slopes
 }
 
 impl Primitive for Disc {
@@ -93,7 +176,7 @@ impl Primitive for Disc {
             Some(fall_off) => fall_off.bounds(region.area.square_distances(self.centre)),
         };
         let (range, slope) = match &self.noise {
-            None => (Interval::ZERO, 0.0),
+            None => (Interval::point(self.base_m), 0.0),
             Some(noise) => {
                 let kappa = (region.kappa, region.kappa_slope);
                 let (centre, radius) = (region.area.centre(), region.area.radius());
@@ -104,7 +187,7 @@ impl Primitive for Disc {
                 }
             }
         };
-        Bounds::new(range.plus(Interval::point(self.base_m)), slope, weight, weight_slope).widened()
+        Bounds::new(range, slope, weight, weight_slope).widened()
     }
 
     fn at(&self, place: &Place) -> Point {
@@ -113,8 +196,8 @@ impl Primitive for Disc {
             None => Sample { value: 1.0, dx: 0.0, dy: 0.0 },
             Some(fall_off) => fall_off.around(x, y),
         };
-        let mut elevation = self.noise.as_ref().map_or(Sample::default(), |noise| noise.at(x, y, place.kappa));
-        elevation.value += self.base_m;
+        let level = Sample { value: self.base_m, dx: 0.0, dy: 0.0 };
+        let elevation = self.noise.as_ref().map_or(level, |noise| noise.at(x, y, place.kappa));
         Point { elevation, weight }.settled()
     }
 
@@ -129,6 +212,11 @@ impl Primitive for Disc {
                 }
             },
         );
+    }
+
+    fn misses(&self, area: &Area) -> bool {
+        let nearest = area.square_distances(self.centre).min;
+        self.fall_off.is_some_and(|fall_off| fall_off.at_square(nearest) <= 0.0)
     }
 
     fn bytes(&self) -> usize {

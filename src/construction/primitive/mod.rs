@@ -21,7 +21,7 @@ pub use sparse::Sparse;
 
 use super::area::{Area, Region};
 use super::bounds::Bounds;
-use super::point::{Block, Place, Places, Point, WIDTH, Want};
+use super::point::{Block, Place, Places, Point, Want};
 
 /// A feature of terrain: an elevation and a weight, as functions of position.
 ///
@@ -43,9 +43,15 @@ pub trait Primitive: std::fmt::Debug + Send + Sync {
     /// Elevations and weights at a block of places. Elevations that are not wanted may be anything finite.
     fn block(&self, places: &Places, want: Want, out: &mut Block) {
         let _ = want;
-        for k in 0..WIDTH {
+        for k in 0..places.count() {
             out.set::<true>(k, self.at(&places.get(k)));
         }
+    }
+
+    /// Whether the weight is 0 at all points of a box; false where that is not known.
+    fn misses(&self, area: &Area) -> bool {
+        let _ = area;
+        false
     }
 
     /// Bytes of memory that the feature takes.

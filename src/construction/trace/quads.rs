@@ -18,7 +18,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Cells of a quad each way.
 pub(super) const CELLS: usize = 8;
-const _: () = assert!(CELLS * CELLS == WIDTH, "a quad's samples are one block");
+/// Samples of a quad.
+const SAMPLES: usize = CELLS * CELLS;
+const _: () = assert!(SAMPLES <= WIDTH, "a quad's samples are one block");
 
 /// A quad is divided unless its cells are at most so many pixels wide.
 const CELL_PX: f64 = 2.0;
@@ -206,10 +208,10 @@ impl<'t> Quads<'t> {
         let reach = reach_m(&area);
         let rise = rise_m(&bounds, reach);
         if rise < bounds.elevation.width() {
-            samples.fetch_add(WIDTH as u64, Ordering::Relaxed);
-            let mut points = [Point::NOTHING; WIDTH];
+            samples.fetch_add(SAMPLES as u64, Ordering::Relaxed);
+            let mut points = [Point::NOTHING; SAMPLES];
             let along = |range: Interval, i: usize| range.min + range.width() * ((i as f64 + 0.5) / CELLS as f64);
-            let places: [[f64; 2]; WIDTH] =
+            let places: [[f64; 2]; SAMPLES] =
                 std::array::from_fn(|k| [along(area.x, k % CELLS), along(area.y, k / CELLS)]);
             work.run(&plan, &places, &mut points);
             for (cell, point) in tops.iter_mut().zip(&points) {

@@ -78,6 +78,11 @@ impl Warp {
         out.settled()
     }
 
+    /// Whether rows and columns stay rows and columns.
+    pub(in crate::construction) fn keeps_axes(&self) -> bool {
+        matches!(self, Self::Affine(affine) if affine.inward()[0][1] == 0.0 && affine.inward()[1][0] == 0.0)
+    }
+
     /// The region in the child's frame.
     pub(in crate::construction) fn inside(&self, region: &Region) -> Region {
         let (_, back) = self.stretches(&region.area);

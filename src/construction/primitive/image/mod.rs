@@ -11,7 +11,7 @@ use super::Primitive;
 use crate::construction::area::{Area, Region};
 use crate::construction::bounds::Bounds;
 use crate::construction::operator::warp::pull;
-use crate::construction::point::{Block, Place, Places, Point, WIDTH, Want};
+use crate::construction::point::{Block, Place, Places, Point, Want};
 use crate::construction::vectors::widest;
 use crate::error::{Error, Result};
 use crate::interval::{Interval, product};
@@ -158,7 +158,7 @@ impl Primitive for Image {
         widest(
             #[inline(always)]
             || {
-                for k in 0..WIDTH {
+                for k in 0..places.count() {
                     let at = [places.x[k], places.y[k]];
                     if want.gradient {
                         out.set::<true>(k, self.point::<true>(at));

@@ -146,25 +146,40 @@ impl Samples {
         let (x, y) = (c - col as f64, r - row as f64);
         let weight = match &self.weights {
             None => Sample { value: 1.0, dx: 0.0, dy: 0.0 },
-            Some(_) => bilinear([0, 1].map(|i| [0, 1].map(|j| self.weight(row + i, col + j))), x, y),
+            Some(_) => {
+                let line = [self.weight(row, col), self.weight(row, col + 1)];
+                bilinear([line, [self.weight(row + 1, col), self.weight(row + 1, col + 1)]], x, y)
+            }
         };
         let height = match interpolation {
-            Interpolation::Bilinear => bilinear([0, 1].map(|i| [0, 1].map(|j| self.height(row + i, col + j))), x, y),
+            Interpolation::Bilinear => {
+                let line = [self.height(row, col), self.height(row, col + 1)];
+                bilinear([line, [self.height(row + 1, col), self.height(row + 1, col + 1)]], x, y)
+            }
             Interpolation::Bicubic => {
-                let rows = self.patch(row, col).map(|line| cubic(line, x));
-                let (value, dy) = cubic(rows.map(|(value, _)| value), y);
-                let (dx, _) = cubic(rows.map(|(_, slope)| slope), y);
-                Sample { value, dx, dy }
+                let patch = self.patch(row, col);
+                let (mut values, mut slopes) = ([0.0; 4], [0.0; 4]);
+                for i in 0..4 {
+                    (values[i], slopes[i]) = cubic(patch[i], x);
+                }
+                let (value, dy) = cubic(values, y);
+                Sample { value, dx: cubic(slopes, y).0, dy }
             }
         };
         (height, weight)
     }
 
-    /// The sixteen samples around a cell.
+    /// The sixteen samples around a cell. Loops, not closures: those would not be inlined into the caller's vectors.
     #[inline(always)]
     fn patch(&self, row: usize, col: usize) -> [[f64; 4]; 4] {
-        let near = |at: usize, i: usize, count: usize| (at + i).max(1).min(count) - 1;
-        [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| self.height(near(row, i, self.rows), near(col, j, self.cols))))
+        let mut patch = [[0.0; 4]; 4];
+        for (i, line) in patch.iter_mut().enumerate() {
+            let row = (row + i).max(1).min(self.rows) - 1;
+            for (j, height) in line.iter_mut().enumerate() {
+                *height = self.height(row, (col + j).max(1).min(self.cols) - 1);
+            }
+        }
+        patch
     }
 
     /// Bounds of one cell.

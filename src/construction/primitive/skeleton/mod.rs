@@ -35,6 +35,17 @@ pub(super) struct Hit {
     pub(super) is_fixed: bool,
 }
 
+/// The nearest points to several places.
+pub(super) struct Nearest<const N: usize> {
+    /// Indices of pieces, or [`NONE`].
+    piece: [u32; N],
+    t: [f64; N],
+    square: [f64; N],
+}
+
+/// No piece.
+const NONE: u32 = u32::MAX;
+
 impl Skeleton {
     /// The curve through points `[x, y, z]` in metres; `smooth`, or straight from point to point.
     ///
@@ -102,21 +113,42 @@ impl Skeleton {
 
     /// The nearest point of the given pieces that is nearer than `within_m`; the first of several.
     pub(super) fn nearest(&self, pieces: &[u32], p: [f64; 2], within_m: f64) -> Option<Hit> {
-        let mut best = within_m * within_m;
-        let mut hit: Option<(usize, f64)> = None;
+        let found = self.nearest_of(pieces, &[p[0]], &[p[1]], within_m);
+        self.hit(&found, 0)
+    }
+
+    /// The same for several places at once; [`Skeleton::hit`] reads the result.
+    #[inline(always)]
+    pub(super) fn nearest_of<const N: usize>(
+        &self,
+        pieces: &[u32],
+        xs: &[f64; N],
+        ys: &[f64; N],
+        within_m: f64,
+    ) -> Nearest<N> {
+        let mut found = Nearest { piece: [NONE; N], t: [0.0; N], square: [within_m * within_m; N] };
         for &i in pieces {
             let piece = &self.pieces[i as usize];
-            // Rounding of the box does no harm: the piece is skipped only if it is clearly further away.
-            if piece.area.square_distances(p).min > best * (1.0 + 1e-9) {
+            if !piece.may_be_nearer(xs, ys, &found.square) {
                 continue;
             }
-            let (t, square) = piece.nearest(p);
-            if square < best {
-                best = square;
-                hit = Some((i as usize, t));
+            let (t, square) = piece.nearest(xs, ys);
+            for k in 0..N {
+                let nearer = square[k] < found.square[k];
+                found.piece[k] = if nearer { i } else { found.piece[k] };
+                found.t[k] = if nearer { t[k] } else { found.t[k] };
+                found.square[k] = if nearer { square[k] } else { found.square[k] };
             }
         }
-        let (piece, t) = hit?;
+        found
+    }
+
+    /// One of several results.
+    pub(super) fn hit<const N: usize>(&self, found: &Nearest<N>, k: usize) -> Option<Hit> {
+        if found.piece[k] == NONE {
+            return None;
+        }
+        let (piece, t, best) = (found.piece[k] as usize, found.t[k], found.square[k]);
         let last = self.pieces.len() - 1;
         let is_end = (piece == 0 && t == 0.0) || (piece == last && t == 1.0);
         let corner = (t == 0.0 && self.pieces[piece].corner)

@@ -161,68 +161,138 @@ impl Piece {
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
-    /// Parameter of the nearest point, and the square of its distance.
+    /// Whether a point of the piece may be nearer to one of the places than the square of a distance says.
+    ///
+    /// The piece lies within a quarter of |a| from its chord. Rounding does no harm: it says no only where the piece is
+    /// clearly further away, and there what [`Piece::nearest`] finds is no nearer either.
+    #[inline(always)]
+    pub(in crate::construction) fn may_be_nearer<const N: usize>(
+        &self,
+        xs: &[f64; N],
+        ys: &[f64; N],
+        squares: &[f64; N],
+    ) -> bool {
+        let chord = [2.0 * self.b[0] + self.a[0], 2.0 * self.b[1] + self.a[1]];
+        let per = 1.0 / dot(chord, chord).max(f64::MIN_POSITIVE);
+        let bulge = dot(self.a, self.a).sqrt() * 0.25;
+        let mut near = false;
+        for k in 0..N {
+            let w = [xs[k] - self.p[0], ys[k] - self.p[1]];
+            let t = (dot(w, chord) * per).clamp(0.0, 1.0);
+            let (x, y) = (w[0] - t * chord[0], w[1] - t * chord[1]);
+            let reach = squares[k].sqrt() + bulge;
+            near |= x * x + y * y <= reach * reach * (1.0 + 1e-9);
+        }
+        near
+    }
+
+    /// Parameters of the points nearest to some places, and the squares of their distances.
     ///
     /// Half the derivative of the squared distance is the cubic `b.w + (2 b.b + a.w) t + 3 a.b t² + a.a t³` with
     /// `w = p - place`. Between its stationary points it is monotone, and where it rises through 0 there is a minimum:
-    /// at most two, each in its own bracket.
-    pub(in crate::construction) fn nearest(&self, place: [f64; 2]) -> (f64, f64) {
+    /// at most two, each in its own bracket. All places go through the same steps without branches, so that several are
+    /// one vector; what each comes to does not depend on the others.
+    #[inline(always)]
+    pub(in crate::construction) fn nearest<const N: usize>(
+        &self,
+        xs: &[f64; N],
+        ys: &[f64; N],
+    ) -> ([f64; N], [f64; N]) {
         let (a, b) = (self.a, self.b);
-        let w = [self.p[0] - place[0], self.p[1] - place[1]];
-        let c = [dot(b, w), 2.0 * dot(b, b) + dot(a, w), 3.0 * dot(a, b), dot(a, a)];
-        let value = |t: f64| c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-        // From the offset itself, not from the point: coordinates may be large.
-        let square = |t: f64| {
-            let along = |k: usize| w[k] + t * (2.0 * b[k] + t * a[k]);
-            let offset = [along(0), along(1)];
-            dot(offset, offset)
-        };
-        let mut best = (0.0, square(0.0));
-        let mut offer = |t: f64| {
-            let square = square(t);
-            if square < best.1 {
-                best = (t, square);
-            }
-        };
-        let mut stops = [0.0, 1.0, 1.0, 1.0];
-        let root = c[2] * c[2] - 3.0 * c[3] * c[1];
-        if root > 0.0 {
-            let q = -(c[2] + if c[2] < 0.0 { -root.sqrt() } else { root.sqrt() });
-            // Roots of c1 + 2 c2 t + 3 c3 t².
-            let (s, t) = (q / (3.0 * c[3]), c[1] / q);
-            let inside = |t: f64| if t > 0.0 && t < 1.0 { t } else { 1.0 };
-            (stops[1], stops[2]) = (inside(s).min(inside(t)), inside(s).max(inside(t)));
+        let (c2, c3) = (3.0 * dot(a, b), dot(a, a));
+        let (mut wx, mut wy, mut c0, mut c1) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
+        let (mut best, mut best_t) = ([0.0; N], [0.0; N]);
+        let mut stops = [[0.0; N], [1.0; N], [1.0; N], [1.0; N]];
+        for k in 0..N {
+            let w = [self.p[0] - xs[k], self.p[1] - ys[k]];
+            (wx[k], wy[k]) = (w[0], w[1]);
+            (c0[k], c1[k]) = (dot(b, w), 2.0 * dot(b, b) + dot(a, w));
+            best[k] = self.square(w, 0.0);
+            // Roots of c1 + 2 c2 t + 3 c3 t²; what divisions by 0 give is not inside.
+            let root = c2 * c2 - 3.0 * c3 * c1[k];
+            let side = root.max(0.0).sqrt();
+            let q = -(c2 + if c2 < 0.0 { -side } else { side });
+            let (s, t) = (within(q / (3.0 * c3)), within(c1[k] / q));
+            let (first, second) = if s < t { (s, t) } else { (t, s) };
+            (stops[1][k], stops[2][k]) = if root > 0.0 { (first, second) } else { (1.0, 1.0) };
         }
-        for k in 0..3 {
-            let (low, high) = (stops[k], stops[k + 1]);
-            if low < high && value(low) < 0.0 && value(high) > 0.0 {
-                offer(rising_root(&c, low, high));
+        for j in 0..3 {
+            let (low, high) = (&stops[j], &stops[j + 1]);
+            let mut steps = [0.0; N];
+            for k in 0..N {
+                let value = |t: f64| c0[k] + t * (c1[k] + t * (c2 + t * c3));
+                let rises = (low[k] < high[k]) & (value(low[k]) < 0.0) & (value(high[k]) > 0.0);
+                steps[k] = if rises { 1.0 } else { 0.0 };
+            }
+            if steps.iter().all(|&step| step == 0.0) {
+                continue;
+            }
+            let roots = rising_roots(&c0, &c1, (c2, c3), (*low, *high), steps);
+            for k in 0..N {
+                let square = self.square([wx[k], wy[k]], roots[k]);
+                let nearer = (steps[k] > 0.0) & (square < best[k]);
+                (best[k], best_t[k]) = if nearer { (square, roots[k]) } else { (best[k], best_t[k]) };
             }
         }
-        offer(1.0);
-        best
+        for k in 0..N {
+            let square = self.square([wx[k], wy[k]], 1.0);
+            (best[k], best_t[k]) = if square < best[k] { (square, 1.0) } else { (best[k], best_t[k]) };
+        }
+        (best_t, best)
+    }
+
+    /// Square of the distance at t of a place, given the beginning less the place: coordinates may be large.
+    #[inline(always)]
+    fn square(&self, w: [f64; 2], t: f64) -> f64 {
+        let x = w[0] + t * (2.0 * self.b[0] + t * self.a[0]);
+        let y = w[1] + t * (2.0 * self.b[1] + t * self.a[1]);
+        x * x + y * y
     }
 }
 
-/// The root of a cubic that rises from below 0 at `low` to above at `high`, monotonically: Newton's steps, and halving
-/// where they leave the bracket.
-fn rising_root(c: &[f64; 4], mut low: f64, mut high: f64) -> f64 {
-    let mut t = (low + high) / 2.0;
+/// The parameter, or 1 where it is not between 0 and 1.
+#[inline(always)]
+fn within(t: f64) -> f64 {
+    if (t > 0.0) & (t < 1.0) { t } else { 1.0 }
+}
+
+/// Roots of cubics that rise from below 0 at `low` to above at `high`, monotonically: Newton's steps from where a line
+/// between both ends is 0, and halving where they leave the bracket. A step of less than 1e-12 is the last, for the next
+/// would be its square. Where the first step given is 0 the result is any number.
+#[inline(always)]
+fn rising_roots<const N: usize>(
+    c0: &[f64; N],
+    c1: &[f64; N],
+    (c2, c3): (f64, f64),
+    (mut low, mut high): ([f64; N], [f64; N]),
+    mut steps: [f64; N],
+) -> [f64; N] {
+    let mut roots = [0.0; N];
+    for k in 0..N {
+        let value = |t: f64| c0[k] + t * (c1[k] + t * (c2 + t * c3));
+        let (from, to) = (value(low[k]), value(high[k]));
+        roots[k] = low[k] - (high[k] - low[k]) * (from / (to - from));
+    }
     for _ in 0..60 {
-        let value = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-        if value < 0.0 {
-            low = t;
-        } else {
-            high = t;
+        for k in 0..N {
+            let t = roots[k];
+            let value = c0[k] + t * (c1[k] + t * (c2 + t * c3));
+            let slope = c1[k] + t * (2.0 * c2 + t * 3.0 * c3);
+            (low[k], high[k]) = if value < 0.0 { (t, high[k]) } else { (low[k], t) };
+            let newton = t - value / slope;
+            let next = if (newton > low[k]) & (newton < high[k]) { newton } else { (low[k] + high[k]) / 2.0 };
+            let next = if steps[k] > 1e-12 { next } else { t };
+            steps[k] = (next - t).abs();
+            roots[k] = next;
         }
-        let slope = c[1] + t * (2.0 * c[2] + t * 3.0 * c[3]);
-        let newton = t - value / slope;
-        let next = if newton > low && newton < high { newton } else { (low + high) / 2.0 };
-        let step = (next - t).abs();
-        t = next;
-        if step <= 1e-15 {
+        // In a loop of its own: the one above becomes vectors.
+        let mut open = false;
+        for step in &steps {
+            open |= *step > 1e-12;
+        }
+        if !open {
             break;
         }
     }
-    t
+    roots
 }
