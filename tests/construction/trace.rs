@@ -297,21 +297,22 @@ fn terrain_that_jumps_is_drawn_too() {
 
 #[test]
 fn the_nearest_of_several_trees_is_seen() {
-    let (ground, water) = (hills(), plain(22.0));
-    let map = lens(Camera::parallel([0.0, 0.0, 0.0], 0.0, -90.0, 150.0), 40, 40);
+    let (ground, water) = (hills(), plain(45.0));
+    let map = lens(Camera::parallel([0.0, 0.0, 0.0], 0.0, -90.0, 500.0), 250, 250);
     let traced = trace(&[&ground, &water], &map, 1, &TraceOptions::default(), &Watch::default()).expect("a picture");
     let mut seen = [0, 0];
     for (i, found) in traced.seen.iter().enumerate() {
-        let ray = map.ray((i % 40) as f64 + 0.5, (i / 40) as f64 + 0.5);
+        let ray = map.ray((i % 250) as f64 + 0.5, (i / 250) as f64 + 0.5);
         let Seen::Ground { tree, .. } = *found else { panic!("ground or water") };
         let under = ground.at(ray.at(0.0));
-        let wet = under.weight.value < THRESHOLD || under.elevation.value < 22.0;
-        // A pixel is 3.75 m wide, and the ground is met half of that above it.
-        let sure = under.weight.value < THRESHOLD - 0.05 || (under.elevation.value - 22.0).abs() > 2.0;
+        let wet = under.weight.value < THRESHOLD || under.elevation.value < 45.0;
+        // A pixel is 2 m wide, and the ground is met half of that above it.
+        let edge = (under.weight.value - THRESHOLD).abs() < 0.05;
+        let sure = !edge && (under.weight.value < THRESHOLD || (under.elevation.value - 45.0).abs() > 2.0);
         assert!(!sure || wet == (tree == 1), "{found:?} over {under:?}");
         seen[tree] += 1;
     }
-    assert!(seen[0] > 50 && seen[1] > 50, "{seen:?}");
+    assert!(seen[0] > 500 && seen[1] > 500, "{seen:?}");
 }
 
 #[test]

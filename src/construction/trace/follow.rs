@@ -39,7 +39,7 @@ impl<'t> Quads<'t> {
         }
         while !open.is_empty() {
             open.retain_mut(|walker| {
-                let line = lines[walker.index].as_ref().expect("walkers have lines");
+                let Some(line) = &lines[walker.index] else { return false };
                 let t = walker.progress.t_m;
                 walker.place = if walker.between {
                     self.anywhere(line, t)

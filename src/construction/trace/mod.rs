@@ -10,6 +10,7 @@ mod camera;
 mod follow;
 mod line;
 mod march;
+mod packet;
 mod picture;
 mod quads;
 mod ray;
