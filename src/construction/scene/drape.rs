@@ -94,3 +94,60 @@ pub(super) fn even(points: &mut [[f64; 3]], within_m: f64) {
         point[2] = sum / weights;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::construction::primitive::{Disc, FallOff};
+    use crate::construction::{Builder, Detail};
+
+    /// Level ground of 7 m whose weight is at least a half up to about 45 m from the origin.
+    fn ground() -> Tree {
+        let mut builder = Builder::new();
+        let disc = Disc::new([0.0; 2], 7.0, None, Some(FallOff::new(0.0, 100.0).expect("sound"))).expect("sound");
+        let root = builder.leaf(disc).expect("a leaf");
+        builder.finish(root, Detail::default()).expect("its own root")
+    }
+
+    fn line(xs: &[f64]) -> Line {
+        let points = xs.iter().map(|&x| [x, 0.0, f64::NAN]).collect();
+        Line { points, fields: [("width".to_string(), 3.0)].into() }
+    }
+
+    #[test]
+    fn what_lies_beside_is_cut_away_at_the_edge() {
+        let ground = ground();
+        let edge = (1.0 - 0.5_f64.cbrt()).sqrt() * 100.0;
+        let laid = lay(&line(&[-80.0, -10.0, 10.0, 90.0, 95.0, 0.0]), &ground);
+        assert_eq!((laid.parts.len(), laid.beside), (2, 3));
+        let ends: Vec<[f64; 2]> =
+            laid.parts.iter().map(|part| [part.points[0][0], part.points[part.points.len() - 1][0]]).collect();
+        for (found, expected) in ends.iter().flatten().zip([-edge, edge, edge, 0.0]) {
+            assert!((found - expected).abs() < 1e-6, "{found} for {expected}");
+        }
+        assert!(laid.parts.iter().flat_map(|part| &part.points).all(|point| point[2] == 7.0));
+        assert_eq!(laid.parts[1].fields["width"], 3.0);
+        assert!(lay(&line(&[200.0, 300.0]), &ground).parts.is_empty());
+        assert_eq!(lay(&line(&[0.0, 10.0]), &ground).parts[0].points, [[0.0, 0.0, 7.0], [10.0, 0.0, 7.0]]);
+    }
+
+    #[test]
+    fn evened_elevations_are_means_within_reach() {
+        let mut points: Vec<[f64; 3]> = (0..20).map(|i| [f64::from(i * i), 0.0, f64::from(i % 3)]).collect();
+        let before = points.clone();
+        even(&mut points, 30.0);
+        for (i, point) in points.iter().enumerate() {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            for other in &before {
+                let weight = (1.0 - (other[0] - before[i][0]).abs() / 30.0).max(0.0);
+                sum += weight * other[2];
+                weights += weight;
+            }
+            assert!((point[2] - sum / weights).abs() < 1e-12, "point {i}");
+        }
+        // A slope stays one, but for its ends.
+        let mut slope: Vec<[f64; 3]> = (0..30).map(|i| [f64::from(i), 0.0, 2.0 * f64::from(i)]).collect();
+        even(&mut slope, 4.5);
+        assert!((5..25).all(|i| (slope[i][2] - 2.0 * i as f64).abs() < 1e-12));
+    }
+}

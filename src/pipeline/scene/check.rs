@@ -321,8 +321,11 @@ struct Sampled {
     is_defined: bool,
 }
 
-/// Share of samples with terrain; their least and greatest elevation, and their steepest slope.
-fn samples(tree: &Tree, area: &Area) -> Result<(f64, Option<(f64, f64, f64)>)> {
+/// Least and greatest elevation in metres, and the steepest slope.
+type Extremes = (f64, f64, f64);
+
+/// Share of samples with terrain, and the extremes of these.
+fn samples(tree: &Tree, area: &Area) -> Result<(f64, Option<Extremes>)> {
     let (dx, dy) = (area.x.width() / SAMPLES as f64, area.y.width() / SAMPLES as f64);
     let lattice =
         Lattice { x0: area.x.min + dx / 2.0, y0: area.y.max - dy / 2.0, dx, dy: -dy, cols: SAMPLES, rows: SAMPLES };
@@ -334,7 +337,7 @@ fn samples(tree: &Tree, area: &Area) -> Result<(f64, Option<(f64, f64, f64)>)> {
     let all = tree.evaluate(&lattice, Tiling::default(), true, &Watch::default(), make)?;
     let defined: Vec<&Sampled> = all.iter().filter(|sample| sample.is_defined).collect();
     let share = defined.len() as f64 / all.len() as f64;
-    let found = defined.iter().fold(None, |found: Option<(f64, f64, f64)>, sample| {
+    let found = defined.iter().fold(None, |found: Option<Extremes>, sample| {
         let (low, high, steep) = found.unwrap_or((f64::INFINITY, f64::NEG_INFINITY, 0.0));
         Some((low.min(sample.elevation_m), high.max(sample.elevation_m), steep.max(sample.slope)))
     });

@@ -8,6 +8,9 @@ use crate::pipeline::archive::{ContainerOptions, ContainerSource, is_container};
 use std::fs::File;
 use std::path::Path;
 
+/// The mean of a patch, and its atoms with their coefficients.
+type Patch = (f32, Vec<(u32, f64)>);
+
 /// Opens a container of the sparse profile; the error says what to do with others.
 ///
 /// # Errors
@@ -44,7 +47,7 @@ fn read_from(reader: &Reader<File>) -> Result<SparseTerrain> {
     let shape = PatchShape::new(side)?;
     let layout = PatchLayout::new(description.height, description.width, shape, Some(stored.step))?;
     let across = layout.patches().1;
-    let mut found: Vec<Option<(f32, Vec<(u32, f64)>)>> = vec![None; layout.places()];
+    let mut found: Vec<Option<Patch>> = vec![None; layout.places()];
     let tiling = description.tiling();
     for row in 0..tiling.down() {
         for col in 0..tiling.across() {
