@@ -10,8 +10,8 @@ use orograph::grid::HeightRows;
 use orograph::noise::{NoiseKind, NoiseSum, Spectrum};
 use orograph::rng::Rng;
 
-/// Share of the distance between discs that a road's weight takes to fall, on either side.
-const VERGE: f64 = 1.0 / 8.0;
+/// Share of the square's side over which the weight of a road or river falls, on either side. Assumed.
+const VERGE: f64 = 1.0 / 80.0;
 
 /// A row of the table.
 pub struct Row {
@@ -144,7 +144,7 @@ impl Scene {
                 [along * self.side_m, self.side_m * (0.4 + 0.2 * self.rng.unit()), 0.0]
             })
             .collect();
-        let fall_off = FallOff::new(width_m / 2.0, width_m / 2.0 + self.side_m / 10.0 * VERGE)?;
+        let fall_off = FallOff::new(width_m / 2.0, width_m / 2.0 + self.side_m * VERGE)?;
         let profile = Profile::new(&[(0.0, 0.0)])?;
         self.builder.leaf(Curve::new(Skeleton::through(&points, true)?, vec![(0.0, profile)], fall_off)?)
     }
@@ -202,7 +202,8 @@ fn range(scene: &mut Scene) -> Result<NodeId> {
     let place = Mapping::on_box(Area::of(&[[2e4, 2e4], [6e4, 6e4]]))?;
     parts.push(scene.builder.leaf(Image::new(samples, place, Interpolation::Bicubic, 8.0, (1.0, 0.0))?)?);
     let root = scene.builder.blend(&parts)?;
-    let lake = [scene.level([1.2e5, 9e4], 8e3)?, scene.level([1.28e5, 9.4e4], 6e3)?, scene.level([1.14e5, 8.6e4], 5e3)?];
+    let lake =
+        [scene.level([1.2e5, 9e4], 8e3)?, scene.level([1.28e5, 9.4e4], 6e3)?, scene.level([1.14e5, 8.6e4], 5e3)?];
     let lake = scene.builder.blend(&lake)?;
     scene.builder.replace(root, lake, WeightRule::Keep)
 }
