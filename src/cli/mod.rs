@@ -4,6 +4,7 @@ mod container_info;
 mod container_text;
 mod decode;
 mod encode;
+mod exactness;
 mod info;
 mod learn;
 mod map;

@@ -1,12 +1,11 @@
 //! `orograph tin`.
 
+use super::exactness::{ExactnessOptions, error_text_m};
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, InputOptions, MemoryOptions, OutputOptions};
-use super::wrong_value;
-use crate::error::{Error, Result};
-use crate::pipeline::tin::{Exactness, LineSource, TinJob, TinReport, run};
-use crate::units::parse_length_m;
+use crate::error::Result;
+use crate::pipeline::tin::{LineSource, TinJob, TinReport, run};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -28,17 +27,10 @@ pub(super) struct Tin {
     /// Output: .obj, .ply, .glb or .gpkg.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Greatest vertical distance of a cell from the mesh.
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    max_error: Option<String>,
-    /// Greatest number of vertices; where they run out the error is larger, and is told.
-    #[arg(long, value_name = "N")]
-    max_vertices: Option<usize>,
-    /// All cells are vertices, in squares of two triangles.
-    #[arg(long, conflicts_with_all = ["max_error", "max_vertices", "lines"])]
-    regular: bool,
+    #[command(flatten)]
+    exactness: ExactnessOptions,
     /// Lines that are to be edges: ridges, rivers, roads; outlines of polygons too. Any vector layer that GDAL reads.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "regular")]
     lines: Option<PathBuf>,
     /// Layers of the lines, with commas between them; divide_tree where there is one, else all.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "lines")]
@@ -61,32 +53,11 @@ impl Tin {
             raster: self.raster.meant()?,
             output: self.output.clone(),
             overwrite: self.out.overwrite,
-            exactness: self.exactness()?,
+            exactness: self.exactness.meant()?,
             lines,
             memory: self.memory.bytes()?,
             command: self.words().join(" "),
         })
-    }
-
-    fn exactness(&self) -> Result<Exactness> {
-        if self.regular {
-            return Ok(Exactness::Regular);
-        }
-        let max_error_m = match &self.max_error {
-            Some(text) => parse_length_m(text).map_err(|error| wrong_value("--max-error", &error))?,
-            // As exact as it gets with so many.
-            None if self.max_vertices.is_some() => 0.0,
-            None => {
-                return Err(Error::usage(
-                    "how exact is the mesh to be? Give --max-error (10m), --max-vertices, or --regular for all cells",
-                ));
-            }
-        };
-        if max_error_m < 0.0 {
-            let given = self.max_error.as_deref().unwrap_or_default();
-            return Err(Error::usage(format!("--max-error {given}: expected 0 or more")));
-        }
-        Ok(Exactness::Refined { max_error_m, max_vertices: self.max_vertices })
     }
 
     /// The command without what changes no result.
@@ -97,13 +68,9 @@ impl Tin {
                 words.extend([option.to_string(), value]);
             }
         };
-        put("--max-error", self.max_error.clone());
-        put("--max-vertices", self.max_vertices.map(|n| n.to_string()));
         put("--lines", self.lines.as_ref().map(|path| path.display().to_string()));
         put("--line-layers", self.line_layers.as_ref().map(|layers| layers.join(",")));
-        if self.regular {
-            words.push("--regular".into());
-        }
+        words.extend(self.exactness.words());
         words.extend(self.raster.words());
         words
     }
@@ -128,7 +95,7 @@ fn text(job: &TinJob, report: &TinReport) -> String {
     let share = 100.0 * vertices as f64 / report.size.2 as f64;
     let mut text = format!(
         "{vertices} vertices ({share:.1} % of the cells) and {triangles} triangles of {cols} x {rows} cells, greatest error {} m\n",
-        round(report.error_m)
+        error_text_m(report.error_m)
     );
     let [x, y, _] = report.origin;
     if x != 0.0 || y != 0.0 {
@@ -138,11 +105,6 @@ fn text(job: &TinJob, report: &TinReport) -> String {
         text += "coordinates are metres east and north of the raster's middle\n";
     }
     text + &format!("written: {}\n", job.output.display())
-}
-
-/// Rounded up, so that what is told is no less than what is.
-fn round(error_m: f64) -> f64 {
-    (error_m * 1000.0 - 1e-6).ceil().max(0.0) / 1000.0
 }
 
 fn json(report: &TinReport) -> Value {

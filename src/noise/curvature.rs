@@ -12,6 +12,7 @@ pub const CURVATURE: f64 = 14.42;
 #[cfg(test)]
 mod tests {
     use super::super::gradient_noise;
+    use super::super::tests::assert_below;
     use super::*;
     use crate::rng::Rng;
 
@@ -41,28 +42,7 @@ mod tests {
         // With q' <= 15/8, |q''| <= 5.78, |q'''| <= 60 and sums over the corners: along u the sum changes by at most
         // 2 hypot(11.56, 14.07) + sqrt(2) 139.7 + 25.7 < 260, where 139.7 and 25.7 bound the eigenvalues of
         // (120, 43.4; 43.4, 43.4) and (11.56, 14.07; 14.07, 11.56). The angle: 4 hypot(3.75, 3.75) + 2 sqrt(2) 25.7 < 95.
-        let (place_slope, angle_slope) = (260.0, 95.0);
-        let half_turn = std::f64::consts::PI;
-        // By symmetry a quarter of the cell and half a turn are enough.
-        let mut boxes = vec![([0.25, 0.25, half_turn / 2.0], [0.25, 0.25, half_turn / 2.0])];
-        let mut looked_at = 0;
-        while let Some((centre, half)) = boxes.pop() {
-            looked_at += 1;
-            assert!(looked_at < 20_000_000, "the search ends");
-            let value = corner_sum(centre[0], centre[1], centre[2]);
-            assert!(value < 10.2, "{centre:?}: {value}");
-            let reach = [half[0] * place_slope, half[1] * place_slope, half[2] * angle_slope];
-            if value + reach.iter().sum::<f64>() <= 10.2 {
-                continue;
-            }
-            let longest = (0..3).fold(0, |best, i| if reach[i] > reach[best] { i } else { best });
-            for side in [-0.5, 0.5] {
-                let (mut centre, mut half) = (centre, half);
-                centre[longest] += side * half[longest];
-                half[longest] /= 2.0;
-                boxes.push((centre, half));
-            }
-        }
+        assert_below(10.2, (260.0, 95.0), corner_sum);
         const { assert!(1.4135 * 10.2 <= CURVATURE) };
     }
 

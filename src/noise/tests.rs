@@ -26,6 +26,32 @@ fn sums() -> impl Strategy<Value = NoiseSum> {
     )
 }
 
+/// Proves by branch and bound that a function of a place `(u, v)` in a cell and an angle stays below a limit. It changes
+/// by at most so much per unit of u or v, and of the angle; and by symmetry a quarter of the cell and half a turn are
+/// enough.
+pub(super) fn assert_below(limit: f64, (place_slope, angle_slope): (f64, f64), of: impl Fn(f64, f64, f64) -> f64) {
+    let half_turn = std::f64::consts::PI;
+    let mut boxes = vec![([0.25, 0.25, half_turn / 2.0], [0.25, 0.25, half_turn / 2.0])];
+    let mut looked_at = 0;
+    while let Some((centre, half)) = boxes.pop() {
+        looked_at += 1;
+        assert!(looked_at < 20_000_000, "the search ends");
+        let value = of(centre[0], centre[1], centre[2]);
+        assert!(value < limit, "{centre:?}: {value}");
+        let reach = [half[0] * place_slope, half[1] * place_slope, half[2] * angle_slope];
+        if value + reach.iter().sum::<f64>() <= limit {
+            continue;
+        }
+        let longest = (0..3).fold(0, |best, i| if reach[i] > reach[best] { i } else { best });
+        for side in [-0.5, 0.5] {
+            let (mut centre, mut half) = (centre, half);
+            centre[longest] += side * half[longest];
+            half[longest] /= 2.0;
+            boxes.push((centre, half));
+        }
+    }
+}
+
 /// A level of detail that changes along x.
 fn kappa(x: f64) -> Sample {
     Sample { value: 0.5 + 0.001 * x, dx: 0.001, dy: 0.0 }

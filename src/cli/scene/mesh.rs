@@ -1,14 +1,12 @@
 //! `orograph scene mesh`.
 
+use super::super::exactness::{ExactnessOptions, error_text_m};
 use super::super::progress::watched;
 use super::super::report::Reporter;
 use super::super::shared::{MemoryOptions, OutputOptions};
-use super::super::wrong_value;
 use super::{CellArguments, CommonOptions, DetailArguments};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::pipeline::scene::mesh::{MeshJob, MeshReport, run};
-use crate::pipeline::tin::Exactness;
-use crate::units::parse_length_m;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -30,15 +28,8 @@ pub(super) struct Mesh {
     /// Output: .obj, .ply, .glb or .gpkg.
     #[arg(value_name = "OUT")]
     output: PathBuf,
-    /// Greatest vertical distance of a point of the grid from the mesh.
-    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
-    max_error: Option<String>,
-    /// Greatest number of vertices; where they run out the error is larger, and is told.
-    #[arg(long, value_name = "N")]
-    max_vertices: Option<usize>,
-    /// All points are vertices, in squares of two triangles.
-    #[arg(long, conflicts_with_all = ["max_error", "max_vertices"])]
-    regular: bool,
+    #[command(flatten)]
+    exactness: ExactnessOptions,
     #[command(flatten)]
     cells: CellArguments,
     #[command(flatten)]
@@ -63,31 +54,10 @@ impl Mesh {
             cells: self.cells.meant()?,
             layer: self.layer.clone(),
             detail: self.detail.meant()?,
-            exactness: self.exactness()?,
+            exactness: self.exactness.meant()?,
             memory: self.memory.bytes()?,
             command: self.words().join(" "),
         })
-    }
-
-    fn exactness(&self) -> Result<Exactness> {
-        if self.regular {
-            return Ok(Exactness::Regular);
-        }
-        let max_error_m = match &self.max_error {
-            Some(text) => parse_length_m(text).map_err(|error| wrong_value("--max-error", &error))?,
-            // As exact as it gets with so many.
-            None if self.max_vertices.is_some() => 0.0,
-            None => {
-                return Err(Error::usage(
-                    "how exact is the mesh to be? Give --max-error (1m), --max-vertices, or --regular for all points",
-                ));
-            }
-        };
-        if max_error_m < 0.0 {
-            let given = self.max_error.as_deref().unwrap_or_default();
-            return Err(Error::usage(format!("--max-error {given}: expected 0 or more")));
-        }
-        Ok(Exactness::Refined { max_error_m, max_vertices: self.max_vertices })
     }
 
     /// The command without what changes no result.
@@ -98,12 +68,8 @@ impl Mesh {
                 words.extend([option.to_string(), value]);
             }
         };
-        put("--max-error", self.max_error.clone());
-        put("--max-vertices", self.max_vertices.map(|n| n.to_string()));
         put("--layer", self.layer.clone());
-        if self.regular {
-            words.push("--regular".into());
-        }
+        words.extend(self.exactness.words());
         words.extend(self.cells.words());
         words.extend(self.detail.words());
         words
@@ -125,8 +91,7 @@ impl Mesh {
 fn text(job: &MeshJob, report: &MeshReport) -> String {
     let ((vertices, triangles), lattice) = (report.mesh, &report.cells.lattice);
     let share = 100.0 * vertices as f64 / report.defined as f64;
-    // Rounded up, so that what is told is no less than what is.
-    let error_m = (report.error_m * 1000.0 - 1e-6).ceil().max(0.0) / 1000.0;
+    let error_m = error_text_m(report.error_m);
     let mut text = format!(
         "{vertices} vertices ({share:.1} % of the points) and {triangles} triangles of {} x {} points every {} m, greatest error {error_m} m\n",
         lattice.cols, lattice.rows, lattice.dx
