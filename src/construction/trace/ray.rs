@@ -32,7 +32,7 @@ impl Ray {
         self.origin[2] + t_m * self.direction[2]
     }
 
-    /// How wide a pixel is after so many metres; before the first [`NEAREST_M`] of them as wide as there.
+    /// How wide a pixel is after so many metres; in the first decimetre as wide as at its end.
     #[inline(always)]
     pub fn pixel_m(&self, t_m: f64) -> f64 {
         self.footprint_m + self.growth * t_m.max(NEAREST_M)
