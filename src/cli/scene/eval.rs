@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  orograph scene eval fixtures/scenes/valley.json valley.tif\n  \
                         orograph scene eval fixtures/scenes/craters.json part.tif --resolution 5m --bbox 0,0,900,900\n  \
-                        orograph scene eval fixtures/scenes/ranges.json ranges.tif --resolution 50m --detail-around 0,0,500,9000")]
+                        orograph scene eval fixtures/scenes/ranges.json r.tif --resolution 50m --detail-around 0,0,9,9000")]
 pub(super) struct Eval {
     /// Scene: a JSON file.
     #[arg(value_name = "SCENE.json")]

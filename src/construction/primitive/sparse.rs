@@ -30,7 +30,7 @@ const STEEPEST: f64 = 1.5;
 /// # Bounds
 /// A disc's elevation stays within its mean and its atoms' ranges by their coefficients, and so do slopes. The plane is
 /// cut into squares as wide as the step between discs, and these into parts; over each part the discs that reach it are
-/// blended with their bounds there ([`blend::bounds`]): the slope is bounded where their weights cannot vanish together.
+/// blended with their bounds there, as any blend: the slope is bounded where their weights cannot vanish together.
 #[derive(Clone, Debug)]
 pub struct Sparse {
     terrain: Arc<SparseTerrain>,
