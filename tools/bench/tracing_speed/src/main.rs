@@ -11,7 +11,7 @@ use orograph::construction::primitive::{
 use orograph::construction::trace::{Camera, Counts, Strategy, TraceOptions};
 use orograph::construction::{Area, Builder, Detail, NodeId, Tree, WeightRule};
 use orograph::error::Result;
-use orograph::grid::HeightRows;
+use orograph::grid::{HeightRows, Key};
 use orograph::io::raster::{RasterOptions, RasterSource};
 use orograph::noise::{NoiseKind, NoiseSum, Spectrum};
 use orograph::pipeline::view::{Layer, RenderOptions, render, sights};
@@ -82,7 +82,7 @@ fn image(path: &Path) -> Result<(Tree, [f64; 2], f64)> {
     let dem = RasterSource::open(path, &RasterOptions::default())?.read(&watch)?;
     let (rows, cols) = orograph::with_grid!(&dem.grid, grid => (grid.rows(), grid.cols()));
     let heights_m: Vec<f64> = orograph::with_grid!(&dem.grid, grid => {
-        (0..rows * cols).map(|i| dem.elevations.elevation_m(i64::from(grid.cells()[i]))).collect()
+        (0..rows * cols).map(|i| dem.elevations.elevation_m(grid.cells()[i].to_i64())).collect()
     });
     let highest = heights_m.iter().copied().fold(0.0, f64::max);
     // 3 arc seconds at 36.5 degrees north.
