@@ -2,7 +2,7 @@
 
 use super::progress::watched;
 use super::report::Reporter;
-use super::shared::{CommonOptions, MemoryOptions, OutputOptions, part_of};
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option, part_of};
 use crate::error::{Error, Result};
 use crate::pipeline::archive::decode::{DecodeJob, DecodeReport, run};
 use crate::pipeline::archive::{ContainerOptions, Target};
@@ -58,17 +58,13 @@ pub(super) struct Decode {
 impl Decode {
     fn meant(&self) -> Result<DecodeJob> {
         let (window, bbox) = part_of(self.window.as_deref(), self.bbox.as_deref())?;
-        let option = |text: &String| match text.split_once('=') {
-            Some((key, value)) if !key.is_empty() => Ok((key.to_string(), value.to_string())),
-            _ => Err(Error::usage(format!("--co {text}: expected KEY=VALUE"))),
-        };
         let part =
             ContainerOptions { bands: self.bands.clone(), window, bbox, level: self.level, ..Default::default() };
         Ok(DecodeJob {
             input: self.input.clone(),
             part,
             format: self.format.clone(),
-            options: self.options.iter().map(option).collect::<Result<_>>()?,
+            options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
             keep_going: self.keep_going,
             memory: self.memory.bytes()?,
         })

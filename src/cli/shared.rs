@@ -126,15 +126,30 @@ type Part = (Option<[usize; 4]>, Option<[f64; 4]>);
 
 /// What --window and --bbox mean.
 pub(super) fn part_of(window: Option<&[usize]>, bbox: Option<&[f64]>) -> Result<Part> {
-    let four = |option: &str, n: usize| {
-        Error::usage(format!("{option}: expected four numbers with commas between them, found {n}"))
-    };
-    let window = window.map(|w| <[usize; 4]>::try_from(w).map_err(|_| four("--window", w.len())));
-    let bbox = bbox.map(|b| <[f64; 4]>::try_from(b).map_err(|_| four("--bbox", b.len())));
-    Ok((window.transpose()?, bbox.transpose()?))
+    Ok((four("--window", window)?, four("--bbox", bbox)?))
 }
 
-fn list<T: ToString>(values: &[T]) -> String {
+/// The four numbers of an option, if it is given.
+pub(super) fn four<T: Copy>(option: &str, numbers: Option<&[T]>) -> Result<Option<[T; 4]>> {
+    let found = numbers.map(|numbers| {
+        <[T; 4]>::try_from(numbers).map_err(|_| {
+            let n = numbers.len();
+            Error::usage(format!("{option}: expected four numbers with commas between them, found {n}"))
+        })
+    });
+    found.transpose()
+}
+
+/// What a --co means.
+pub(super) fn creation_option(text: &String) -> Result<(String, String)> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_string(), value.to_string())),
+        _ => Err(Error::usage(format!("--co {text}: expected KEY=VALUE"))),
+    }
+}
+
+/// Numbers as an option takes them.
+pub(super) fn list<T: ToString>(values: &[T]) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 

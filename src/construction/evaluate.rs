@@ -241,7 +241,7 @@ impl Scattered {
                 *point = self.work.out.get::<true>(k);
             }
         } else {
-            out.fill(Point::NOTHING);
+            out[..at.len()].fill(Point::NOTHING);
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::super::progress::watched;
 use super::super::report::Reporter;
-use super::super::shared::MemoryOptions;
-use super::{CommonOptions, box_of};
+use super::super::shared::{MemoryOptions, four};
+use super::CommonOptions;
 use crate::error::Result;
 use crate::pipeline::scene::check::{CheckJob, CheckReport, run};
 use clap::Args;
@@ -33,7 +33,7 @@ pub(super) struct Check {
 impl Check {
     pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
         reporter.input(&self.scene);
-        let bbox = box_of(self.bbox.as_deref())?;
+        let bbox = four("--bbox", self.bbox.as_deref())?;
         let job = CheckJob { scene: self.scene.clone(), bbox, memory: self.memory.bytes()? };
         let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
         report.inputs.iter().for_each(|input| reporter.input(input));

@@ -2,9 +2,9 @@
 
 use super::super::progress::watched;
 use super::super::report::Reporter;
-use super::super::shared::{MemoryOptions, OutputOptions};
+use super::super::shared::{MemoryOptions, OutputOptions, creation_option};
 use super::{CellArguments, CommonOptions, DetailArguments};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::grid::SampleType;
 use crate::pipeline::scene::eval::{EvalJob, EvalReport, run};
 use clap::Args;
@@ -55,16 +55,12 @@ pub(super) struct Eval {
 
 impl Eval {
     fn meant(&self) -> Result<EvalJob> {
-        let option = |text: &String| match text.split_once('=') {
-            Some((key, value)) if !key.is_empty() => Ok((key.to_string(), value.to_string())),
-            _ => Err(Error::usage(format!("--co {text}: expected KEY=VALUE"))),
-        };
         Ok(EvalJob {
             scene: self.scene.clone(),
             output: self.output.clone(),
             overwrite: self.out.overwrite,
             format: self.format.clone(),
-            options: self.options.iter().map(option).collect::<Result<_>>()?,
+            options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
             cells: self.cells.meant()?,
             layer: self.layer.clone(),
             detail: self.detail.meant()?,

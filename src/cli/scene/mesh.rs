@@ -63,12 +63,7 @@ impl Mesh {
     /// The command without what changes no result.
     fn words(&self) -> Vec<String> {
         let mut words = vec!["orograph".into(), "scene".into(), "mesh".into(), self.scene.display().to_string()];
-        let mut put = |option: &str, value: Option<String>| {
-            if let Some(value) = value {
-                words.extend([option.to_string(), value]);
-            }
-        };
-        put("--layer", self.layer.clone());
+        words.extend(self.layer.clone().map(|layer| ["--layer".into(), layer]).into_iter().flatten());
         words.extend(self.exactness.words());
         words.extend(self.cells.words());
         words.extend(self.detail.words());

@@ -6,7 +6,7 @@ mod mesh;
 mod render;
 
 use super::execute;
-use super::shared::CommonOptions;
+use super::shared::{CommonOptions, four, list};
 use crate::error::{Error, Result};
 use crate::pipeline::scene::{CellOptions, DetailOption};
 use crate::units::parse_length_m;
@@ -65,11 +65,9 @@ impl CellArguments {
     fn meant(&self) -> Result<CellOptions> {
         let resolution = self.resolution.as_deref().map(parse_length_m).transpose();
         let resolution_m = resolution.map_err(|error| super::wrong_value("--resolution", &error))?;
-        Ok(CellOptions { resolution_m, bbox: box_of(self.bbox.as_deref())?, like: self.like.clone() })
+        Ok(CellOptions { resolution_m, bbox: four("--bbox", self.bbox.as_deref())?, like: self.like.clone() })
     }
-}
 
-impl CellArguments {
     /// The options as words of a command, those that were given.
     fn words(&self) -> Vec<String> {
         let mut words = vec![];
@@ -83,20 +81,6 @@ impl CellArguments {
         put("--like", self.like.as_ref().map(|path| path.display().to_string()));
         words
     }
-}
-
-fn list(values: &[f64]) -> String {
-    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
-}
-
-/// What --bbox means.
-fn box_of(numbers: Option<&[f64]>) -> Result<Option<[f64; 4]>> {
-    let Some(numbers) = numbers else { return Ok(None) };
-    let found = <[f64; 4]>::try_from(numbers).map_err(|_| {
-        let n = numbers.len();
-        Error::usage(format!("--bbox: expected four numbers with commas between them, found {n}"))
-    });
-    found.map(Some)
 }
 
 /// Where the level of detail comes from.
