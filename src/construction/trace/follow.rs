@@ -13,6 +13,49 @@ struct Walker<'q, 't> {
     /// Whether the next place is between two that were looked at: quads know nothing of it.
     between: bool,
     place: Option<Place<'q, 't>>,
+    /// Where the line is looked at: the place itself, or further ahead.
+    ahead_m: f64,
+    /// Whether a look ahead has failed: then the place itself is looked at.
+    retry: bool,
+    /// How fast the line came down on the ground lately, per metre of way.
+    fall: Option<f64>,
+}
+
+/// The share of the way to where a look ahead should still succeed that is gone.
+const BOLDNESS: f64 = 0.9;
+
+impl Walker<'_, '_> {
+    /// Sets where to look next. The ground between the place and a point ahead is proved to be below the line if the
+    /// height ahead is at least what it can have grown by since (the other half of sphere tracing's step, looking
+    /// back); so the look goes as far ahead as that is likely, judged by the last heights.
+    fn look(&mut self, line: &Line) {
+        let Some(place) = &self.place else { return };
+        self.ahead_m = place.t_m;
+        if std::mem::take(&mut self.retry) || self.between {
+            return;
+        }
+        let (Some((t, height)), Some([shrinks, grows])) = (self.progress.last(), line.speeds(&place.quad.bounds))
+        else {
+            return;
+        };
+        let fall = self.fall.unwrap_or(0.5 * shrinks).max(0.0);
+        let likely = height - fall * (place.t_m - t);
+        let speed = fall + grows.max(0.0);
+        if likely > 0.0 && place.t_m > t && speed > 0.0 {
+            self.ahead_m = (place.t_m + BOLDNESS * likely / speed).min(place.exit_m).min(line.to_m).max(place.t_m);
+        }
+    }
+
+    /// Whether a look ahead, at a height, proves what lies between; otherwise the place itself is next.
+    fn proves(&mut self, line: &Line, height_m: f64) -> bool {
+        let Some(place) = &self.place else { return false };
+        if self.ahead_m <= place.t_m {
+            return true;
+        }
+        let grown = line.speeds(&place.quad.bounds).map(|[_, grows]| grows * (self.ahead_m - place.t_m));
+        self.retry = !grown.is_some_and(|grown| height_m >= grown && height_m > 0.0);
+        !self.retry
+    }
 }
 
 /// Something to sort by: walkers that need the same plans stand together. The order has no influence on results.
@@ -34,18 +77,27 @@ impl<'t> Quads<'t> {
         for (index, line) in lines.iter().enumerate() {
             hits[index] = None;
             if let Some(line) = line {
-                open.push(Walker { index, progress: Progress::new(line.from_m), between: false, place: None });
+                open.push(Walker {
+                    index,
+                    progress: Progress::new(line.from_m),
+                    between: false,
+                    place: None,
+                    ahead_m: line.from_m,
+                    retry: false,
+                    fall: None,
+                });
             }
         }
         while !open.is_empty() {
             open.retain_mut(|walker| {
                 let Some(line) = &lines[walker.index] else { return false };
                 let t = walker.progress.t_m;
-                walker.place = if walker.between {
-                    self.anywhere(line, t)
-                } else {
-                    self.seek(line, t, walker.place.as_ref(), &mut memory.scattered)
-                };
+                if walker.between {
+                    walker.place = self.anywhere(line, t);
+                } else if !walker.retry {
+                    walker.place = self.seek(line, t, walker.place.as_ref(), &mut memory.scattered);
+                }
+                walker.look(line);
                 walker.place.is_some()
             });
             open.sort_unstable_by_key(|walker| {
@@ -77,16 +129,24 @@ impl<'t> Quads<'t> {
         let Memory { scattered, places, points } = memory;
         places.clear();
         for walker in &walkers[..count] {
-            let (Some(line), Some(place)) = (&lines[walker.index], &walker.place) else { continue };
-            places.push(line.ray.at(place.t_m));
+            let Some(line) = &lines[walker.index] else { continue };
+            places.push(line.ray.at(walker.ahead_m));
         }
         scattered.run(&plans.plain, places, points);
         tally.evaluations += count as u64;
         tally.blocks += 1;
         for (walker, point) in walkers[..count].iter_mut().zip(points.iter()) {
-            let (Some(line), Some(place)) = (&lines[walker.index], &walker.place) else { continue };
-            let t = place.t_m;
+            let Some(line) = &lines[walker.index] else { continue };
+            let t = walker.ahead_m;
             let (height, weight) = (line.ray.elevation_m(t) - point.elevation.value, point.weight.value);
+            if !walker.proves(line, height) {
+                walker.progress.wasted();
+                continue;
+            }
+            if let Some((t0, h0)) = walker.progress.last().filter(|(t0, _)| *t0 < t) {
+                walker.fall = Some((h0 - height) / (t - t0));
+            }
+            let Some(place) = &walker.place else { continue };
             match walker.progress.judge(line, t, height, weight, max_steps) {
                 Verdict::Met(hit) => {
                     tally.exhausted += u64::from(hit.lost);

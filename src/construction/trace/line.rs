@@ -129,6 +129,15 @@ impl Line {
         Step { far: free.max(least), least }
     }
 
+    /// How fast the line's height above the ground may shrink and grow per metre of way, through a region with these
+    /// bounds all of whose points have weight; `None` where there are others, or no bound.
+    pub(super) fn speeds(&self, bounds: &Bounds) -> Option<[f64; 2]> {
+        let low = bounds.weight.min;
+        let slope = if low > 0.0 { bounds.slope.min(bounds.weighted_slope / low) } else { f64::INFINITY };
+        let (level, rise) = (slope * self.level, self.ray.direction[2]);
+        slope.is_finite().then_some([level - rise, level + rise])
+    }
+
     /// Way to ground that is `height_m` below, if none is steeper than `slope`.
     fn way_m(&self, height_m: f64, slope: f64) -> f64 {
         let closing = product(slope, self.level) - self.ray.direction[2];
@@ -161,6 +170,16 @@ pub(super) enum Verdict {
 impl Progress {
     pub(super) fn new(from_m: f64) -> Self {
         Self { t_m: from_m, before: None, below_m: None, steps: 0 }
+    }
+
+    /// The last place that was free, and its height above the ground, if there was some.
+    pub(super) fn last(&self) -> Option<(f64, f64)> {
+        self.before.and_then(|(t_m, height)| height.map(|height| (t_m, height)))
+    }
+
+    /// Counts a place that was looked at in vain.
+    pub(super) fn wasted(&mut self) {
+        self.steps += 1;
     }
 
     /// Judges the place `t_m` by the ground there.

@@ -75,7 +75,7 @@ pub struct Counts {
     pub shadow_rays: u64,
     /// Points at which a tree was evaluated for a ray.
     pub evaluations: u64,
-    /// Blocks of up to 64 points in which that was done.
+    /// Blocks of points in which that was done.
     pub blocks: u64,
     /// Points at which a tree was evaluated for quads that rays share.
     pub samples: u64,

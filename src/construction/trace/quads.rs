@@ -23,7 +23,7 @@ const SAMPLES: usize = CELLS * CELLS;
 const _: () = assert!(SAMPLES <= WIDTH, "a quad's samples are one block");
 
 /// A quad is divided unless its cells are at most so many pixels wide.
-const CELL_PX: f64 = 2.0;
+const CELL_PX: f64 = 1.5;
 /// The finest quads with plans of their own are so many pixels wide.
 const PLAN_PX: f64 = 96.0;
 /// Quads above one another, at most.

@@ -1,8 +1,9 @@
 //! Traces pictures of 1920 x 1080 pixels of construction trees: evaluations and milliseconds by strategy.
 //!
-//! `cargo run --release -- DEM.tif [TURNS] [STRATEGY] [FOLDER]` prints a line of CSV for each scene and strategy: evaluations for
-//! rays, how full their blocks of 64 were, samples and regions bounded, each per ray, rays to the sun, rays that gave up, and the median of the turns in
-//! milliseconds, for all strategies or one. The strategies of the papers follow the rays of every 12th row and column only, with the tolerance of
+//! `cargo run --release -- DEM.tif [TURNS] [STRATEGY] [FOLDER]` prints a line of CSV for each scene and strategy, or for
+//! one strategy: evaluations for rays (of the ground with its gradient, too), how many of them a block held, samples
+//! that rays share, regions bounded, rays to the sun, each per ray; rays that gave up, and the median of the turns in
+//! milliseconds. The strategies of the papers follow the rays of every 12th row and column only, with the tolerance of
 //! the whole picture, and their time is multiplied by 144. With a folder the pictures are written there.
 
 use orograph::construction::primitive::{
@@ -121,7 +122,7 @@ fn main() -> Result<()> {
                 .exaggerated(2.0),
         ),
     ];
-    println!("scene,strategy,shadows,evaluations,blocks_filled,samples,bounds,sun_rays,gave_up,ms");
+    println!("scene,strategy,shadows,evaluations,points_per_block,samples,bounds,sun_rays,gave_up,ms");
     for (name, tree, camera) in &scenes {
         let layers = [Layer { tree, colour: None }];
         for (label, strategy, shadows) in [
@@ -157,9 +158,9 @@ fn main() -> Result<()> {
             let ms = times[times.len() / 2] * (thin * thin) as f64;
             let per_ray = |count: u64| count as f64 / counts.rays as f64;
             println!(
-                "{name},{label},{shadows},{:.2},{:.2},{:.2},{:.3},{:.2},{},{ms:.0}",
+                "{name},{label},{shadows},{:.2},{:.1},{:.2},{:.3},{:.2},{},{ms:.0}",
                 per_ray(counts.evaluations),
-                counts.evaluations as f64 / (64 * counts.blocks.max(1)) as f64,
+                counts.evaluations as f64 / counts.blocks.max(1) as f64,
                 per_ray(counts.samples),
                 per_ray(counts.bounds),
                 per_ray(counts.shadow_rays),
