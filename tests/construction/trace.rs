@@ -152,6 +152,26 @@ fn a_picture_of_several_packets_agrees_with_small_steps() {
 }
 
 #[test]
+fn crests_a_few_pixels_wide_are_not_jumped_over() {
+    // Ridges 4 m apart and up to 3 m high, looked at along the ground: pixels are about half a metre wide.
+    let spectrum = Spectrum { octaves: 2, amplitude: 3.0, wavelength: 8.0, persistence: 0.5, lacunarity: 2.0, seed: 3 };
+    let noise = Some((NoiseKind::Ridged { offset: 1.0, gain: 2.0 }, spectrum, false));
+    let tree = Spec::Disc(DiscSpec { centre: [0.0, 0.0], base_m: 0.0, noise, fall_off: None }).tree(Detail::default());
+    for (i, azimuth_deg) in [10.0, 100.0, 220.0].into_iter().enumerate() {
+        let lens = lens(Camera::along([0.0, 0.0, 30.0], azimuth_deg, -8.0 - 3.0 * i as f64, 6.0), 60, 36);
+        for strategy in [Strategy::Segment, Strategy::Quads] {
+            let options = TraceOptions { strategy, reach_m: Some(500.0), ..TraceOptions::default() };
+            let traced = look(&tree, &lens, &options);
+            for i in (0..traced.seen.len()).step_by(7) {
+                let ray = lens.ray((i % 60) as f64 + 0.5, (i / 60) as f64 + 0.5);
+                let near = |t: f64| options.tolerance * ray.pixel_m(t);
+                checks_out(&tree, &ray, &traced.seen[i], (0.0, 480.0), near, true);
+            }
+        }
+    }
+}
+
+#[test]
 fn strategies_agree_and_shared_quads_take_the_least() {
     let tree = hills();
     let lens = lens(Camera::towards([-250.0, -330.0, 160.0], [0.0, 0.0, 20.0], 40.0), 64, 36);
