@@ -84,11 +84,12 @@ impl SparseTerrain {
         found
     }
 
-    /// Range of an atom over its square, and bound of its slope there, per cell.
+    /// Range of an atom over a box of its square, and bound of its slope there, per cell; `x` and `y` are counted in
+    /// cells of the layout from the square's corner.
     ///
     /// Between values it is a bicubic patch: it stays within the hull of its control points, and its derivatives within
-    /// three times the differences of neighbouring ones. Of noise the bounds are those of its kind.
-    pub fn atom_bounds(&self, atom: usize) -> (Interval, f64) {
+    /// three times the differences of neighbouring ones. Of noise the bounds are those of its kind, anywhere.
+    pub fn atom_bounds(&self, atom: usize, x: Interval, y: Interval) -> (Interval, f64) {
         if let Origin::Noise(noise) = self.dictionary().origin(atom) {
             let (range, slope) = noise.bounds();
             return (range, slope / self.layout().shape().radius_cells());
@@ -98,15 +99,22 @@ impl SparseTerrain {
             let inside = |i: i64| i.clamp(0, side - 1) as usize;
             f64::from(values[inside(row) * side as usize + inside(col)])
         };
-        let first = at(0, 0);
-        let (mut range, mut along, mut across) = (Interval::point(first), 0.0_f64, 0.0_f64);
-        for row in -1..side {
-            for col in -1..side {
+        // The values before the first and the last patch; a place on the edge of two may be rounded into the other.
+        let patches = |ends: Interval| {
+            let ends = ends.scaled(self.factor() as f64).widened();
+            let before = |at: f64| ((at - 0.5).floor() as i64).clamp(-1, side - 1);
+            before(ends.min)..=before(ends.max)
+        };
+        let mut found: Option<Interval> = None;
+        let (mut along, mut across) = (0.0_f64, 0.0_f64);
+        for row in patches(y) {
+            for col in patches(x) {
                 let lines = [-1, 0, 1, 2].map(|i| controls([-1, 0, 1, 2].map(|j| at(row + i, col + j))));
                 let columns = [0, 1, 2, 3].map(|j| controls([0, 1, 2, 3].map(|i| lines[i][j])));
                 for (j, column) in columns.iter().enumerate() {
                     for (i, &value) in column.iter().enumerate() {
-                        range = range.hull(Interval::point(value));
+                        let point = Interval::point(value);
+                        found = Some(found.map_or(point, |range| range.hull(point)));
                         if i > 0 {
                             across = across.max((value - column[i - 1]).abs());
                         }
@@ -118,7 +126,7 @@ impl SparseTerrain {
             }
         }
         let slope = 3.0 * self.factor() as f64 * (along * along + across * across).sqrt();
-        (range.widened(), slope * (1.0 + 1e-12))
+        (found.unwrap_or(Interval::point(0.0)).widened(), slope * (1.0 + 1e-12))
     }
 }
 

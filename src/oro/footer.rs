@@ -40,14 +40,19 @@ impl Footer {
         bytes
     }
 
+    /// Whether the last bytes of a file are those of a footer.
+    pub(super) fn ends(tail: &[u8]) -> bool {
+        tail.ends_with(&MAGIC)
+    }
+
     /// Reads the footer and finds the directory before it, in the last bytes of a file.
     ///
     /// `tail` must be longer than a footer and the greatest directory, or be the whole file.
     pub(super) fn read(tail: &[u8]) -> Result<(Self, &[u8])> {
         let mut cursor = Cursor::new(&tail[tail.len().saturating_sub(LENGTH)..], "footer");
         let bytes = cursor.take(LENGTH)?;
-        if bytes[CHECKSUM_AT + 4..] != MAGIC {
-            return Err(cursor.corrupt("these are not the last bytes of an .oro file, or the file was cut off"));
+        if !Self::ends(bytes) {
+            return Err(cursor.corrupt("these are not the last bytes of an .oro file"));
         }
         let mut fields = Cursor::new(bytes, "footer");
         let file_length = fields.u64()?;

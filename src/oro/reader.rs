@@ -46,10 +46,13 @@ impl<R: RangeRead> Reader<R> {
     pub fn open(source: R) -> Result<Self> {
         let length = source.len()?;
         if length < (header::LENGTH + footer::LENGTH) as u64 {
-            let message = format!("{length} bytes are no .oro file, or the file was cut off");
+            let message = format!("{length} bytes are too few for an .oro file");
             return Err(Error::new(ErrorKind::Corrupt, message));
         }
         let tail = Tail::read(&source, length)?;
+        if !Footer::ends(&tail.bytes) {
+            return Err(endless(&source));
+        }
         let (footer, directory) = Footer::read(&tail.bytes)?;
         footer.profile.check().map_err(|error| error.at_place("footer"))?;
         if footer.file_length != length {
@@ -231,4 +234,19 @@ impl Tail {
         }
         Ok(found)
     }
+}
+
+/// What there is to say of a file without a footer.
+fn endless(source: &impl RangeRead) -> Error {
+    let head = match read_range(source, &(0..header::LENGTH as u64)) {
+        Ok(head) => head,
+        Err(error) => return error,
+    };
+    let message = if head.starts_with(&header::MAGIC) {
+        "the file begins as an .oro file and does not end as one: it was cut off, or never finished, and the list of \
+         what is in it is missing; fetch it again"
+    } else {
+        "this is no .oro file: it neither begins nor ends as one"
+    };
+    Error::new(ErrorKind::Corrupt, message).at_place("footer")
 }

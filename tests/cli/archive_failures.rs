@@ -52,7 +52,15 @@ fn inputs_that_are_no_containers() {
             run.check(listing(dir.path()) == before, "the folder as it was");
         }
     }
-    Run::new(&["verify", &path("absent.oro")]).expect(3, "absent.oro: no such file");
+    for (name, says) in [
+        ("absent.oro", "no such file"),
+        ("empty.oro", "0 bytes are too few for an .oro file"),
+        ("text.oro", "this is no .oro file"),
+        ("tif.oro", "this is no .oro file"),
+        ("cut.oro", "it was cut off, or never finished"),
+    ] {
+        Run::new(&["verify", &path(name)]).expect(3, says);
+    }
     let run = Run::new(&["decode", &path("cut.oro"), &path("out.tif"), "--json"]);
     run.expect(3, "");
     assert_eq!(run.json()["error"]["kind"], "corrupt");

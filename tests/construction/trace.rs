@@ -1,6 +1,6 @@
 //! Rays against terrain: every strategy against a march in tiny steps.
 
-use super::spec::{DiscSpec, Spec};
+use super::spec::{DiscSpec, ImageSpec, MappingSpec, Spec};
 use super::strategy::{detail, spec};
 use orograph::construction::trace::{Camera, Counts, Lens, Ray, Seen, Strategy, TraceOptions, Traced, trace};
 use orograph::construction::{Area, Builder, Detail, THRESHOLD, Tree, WeightRule};
@@ -152,20 +152,24 @@ fn a_picture_of_several_packets_agrees_with_small_steps() {
 }
 
 #[test]
-fn crests_a_few_pixels_wide_are_not_jumped_over() {
-    // Ridges 4 m apart and up to 3 m high, looked at along the ground: pixels are about half a metre wide.
-    let spectrum = Spectrum { octaves: 2, amplitude: 3.0, wavelength: 8.0, persistence: 0.5, lacunarity: 2.0, seed: 3 };
-    let noise = Some((NoiseKind::Ridged { offset: 1.0, gain: 2.0 }, spectrum, false));
-    let tree = Spec::Disc(DiscSpec { centre: [0.0, 0.0], base_m: 0.0, noise, fall_off: None }).tree(Detail::default());
+fn crests_are_not_jumped_over() {
+    // Walls as narrow as their slopes allow, a cell each way, at all distances from one another, on a plain.
+    let cols = 80;
+    let height =
+        |row: usize, col: usize| if (3 * row + 7 * col) % 23 == 0 || (row * row + col) % 31 == 0 { 2.0 } else { 0.0 };
+    let heights_m = (0..cols * cols).map(|i| height(i / cols, i % cols)).collect();
+    let mapping = MappingSpec::Box([-40.0, -40.0], [40.0, 40.0]);
+    let tree = Spec::Image(ImageSpec { cols, heights_m, weights: None, bicubic: false, fade: 0.0, mapping })
+        .tree(Detail::default());
     for (i, azimuth_deg) in [10.0, 100.0, 220.0].into_iter().enumerate() {
-        let lens = lens(Camera::along([0.0, 0.0, 30.0], azimuth_deg, -8.0 - 3.0 * i as f64, 6.0), 60, 36);
+        let lens = lens(Camera::along([0.0, 0.0, 9.0], azimuth_deg, -12.0 - 6.0 * i as f64, 40.0), 80, 48);
         for strategy in [Strategy::Segment, Strategy::Quads] {
-            let options = TraceOptions { strategy, reach_m: Some(500.0), ..TraceOptions::default() };
+            let options = TraceOptions { strategy, reach_m: Some(38.0), ..TraceOptions::default() };
             let traced = look(&tree, &lens, &options);
-            for i in (0..traced.seen.len()).step_by(7) {
-                let ray = lens.ray((i % 60) as f64 + 0.5, (i / 60) as f64 + 0.5);
+            for i in 0..traced.seen.len() {
+                let ray = lens.ray((i % 80) as f64 + 0.5, (i / 80) as f64 + 0.5);
                 let near = |t: f64| options.tolerance * ray.pixel_m(t);
-                checks_out(&tree, &ray, &traced.seen[i], (0.0, 480.0), near, true);
+                checks_out(&tree, &ray, &traced.seen[i], (0.0, 38.0), near, true);
             }
         }
     }

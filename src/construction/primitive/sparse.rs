@@ -12,7 +12,7 @@ use crate::interval::Interval;
 use crate::noise::Sample;
 use std::sync::Arc;
 
-/// Parts of a square's side, over each of which the discs' weights are bounded.
+/// Parts of a square's side, over each of which the discs and their weights are bounded.
 const PARTS: usize = 4;
 /// Greatest of `t² (3 - 2 t) / t`, at t = 3/4.
 const STEEPER: f64 = 1.125;
@@ -28,9 +28,9 @@ const STEEPEST: f64 = 1.5;
 /// with a jump at the raster's own edge, as that of an image does.
 ///
 /// # Bounds
-/// A disc's elevation stays within its mean and its atoms' ranges by their coefficients, and so do slopes. The plane is
-/// cut into squares as wide as the step between discs, and these into parts; over each part the discs that reach it are
-/// blended with their bounds there, as any blend: the slope is bounded where their weights cannot vanish together.
+/// The plane is cut into squares as wide as the step between discs, and these into parts. Over each part a disc's
+/// elevation stays within its mean and its atoms' ranges there by their coefficients, and so do slopes; the discs that
+/// reach it are blended with these bounds, as any blend: the slope is bounded where their weights cannot vanish together.
 #[derive(Clone, Debug)]
 pub struct Sparse {
     terrain: Arc<SparseTerrain>,
@@ -65,12 +65,19 @@ impl Joined for Within {
     }
 }
 
-/// A disc that may reach a square, by how many squares its own is before it, with its weights over the square's parts.
+/// A disc that may reach a square, by how many squares its own is before it, over the square's parts.
 struct Reach {
     rows: usize,
     cols: usize,
-    /// Range and slope of the weight over each part.
-    parts: Vec<(Interval, f64)>,
+    parts: Vec<ReachPart>,
+}
+
+/// A disc over a part of a square that it may reach.
+struct ReachPart {
+    /// Range and slope of the weight.
+    weight: (Interval, f64),
+    /// Range and slope of each atom; none where the disc has no weight.
+    atoms: Vec<(Interval, f64)>,
 }
 
 impl Sparse {
@@ -89,11 +96,7 @@ impl Sparse {
         // The squares begin with the first disc's own, and go on until the last disc's ends.
         let more = side.div_ceil(step);
         let squares = (down + more - 1, across + more - 1);
-        let reaches = reaches(step, side, radius)?;
-        let atoms: Vec<(Interval, f64)> =
-            (0..terrain.dictionary().len()).map(|atom| terrain.atom_bounds(atom)).collect();
-        let own: Vec<(Interval, f64)> =
-            (0..terrain.patches()).map(|patch| disc_bounds(&terrain, &atoms, patch)).collect();
+        let reaches = reaches(&terrain)?;
         let whole = between(step, radius);
         let square = |row: usize, col: usize| {
             let mut near = vec![];
@@ -103,16 +106,17 @@ impl Sparse {
                     && j < across
                     && let Some(patch) = terrain.patch_at(i * across + j)
                 {
-                    near.push((own[patch], reach));
+                    near.push((patch, reach));
                 }
             }
             let part = |k: usize| {
                 let discs: Vec<Bounds> = near
                     .iter()
-                    .filter(|(_, reach)| reach.parts[k].0.max > 0.0)
-                    .map(|((range, slope), reach)| {
-                        let (weight, weight_slope) = reach.parts[k];
-                        Bounds::new(*range, *slope, weight, weight_slope)
+                    .map(|(patch, reach)| (*patch, &reach.parts[k]))
+                    .filter(|(_, part)| part.weight.0.max > 0.0)
+                    .map(|(patch, part)| {
+                        let (range, slope) = disc_bounds(&terrain, &part.atoms, patch);
+                        Bounds::new(range, slope, part.weight.0, part.weight.1)
                     })
                     .collect();
                 if discs.is_empty() { Within(Bounds::NOTHING) } else { Within(ramped(&blend::bounds(&discs), whole)) }
@@ -150,20 +154,25 @@ fn between(step: usize, radius: f64) -> f64 {
 }
 
 /// The discs that reach into a square, of a full lattice.
-fn reaches(step: usize, side: usize, radius: f64) -> Result<Vec<Reach>> {
+fn reaches(terrain: &SparseTerrain) -> Result<Vec<Reach>> {
+    let (step, shape) = (terrain.layout().step(), terrain.layout().shape());
+    let (radius, more) = (shape.radius_cells(), shape.side().div_ceil(step));
     let fall_off = FallOff::new(0.0, radius)?;
-    let more = side.div_ceil(step);
     let part_m = step as f64 / PARTS as f64;
     let mut found = vec![];
     for rows in 0..more {
         for cols in 0..more {
-            // The disc's centre, seen from the square's corner.
-            let centre = [radius - (cols * step) as f64, radius - (rows * step) as f64];
             let part = |k: usize| {
-                let (i, j) = ((k / PARTS) as f64, (k % PARTS) as f64);
-                let area = Area::of(&[[j * part_m, i * part_m], [(j + 1.0) * part_m, (i + 1.0) * part_m]]);
-                let (weight, slope) = fall_off.bounds(area.square_distances(centre));
-                (weight.widened().clamped(0.0, 1.0), slope * (1.0 + 1e-9))
+                // Seen from the corner of the disc's own square.
+                let along = |squares: usize, part: usize| {
+                    let first = (squares * step) as f64 + part as f64 * part_m;
+                    Interval { min: first, max: first + part_m }
+                };
+                let (x, y) = (along(cols, k % PARTS), along(rows, k / PARTS));
+                let (weight, slope) = fall_off.bounds(Area { x, y }.square_distances([radius, radius]));
+                let weight = (weight.widened().clamped(0.0, 1.0), slope * (1.0 + 1e-9));
+                let atoms = if weight.0.max > 0.0 { 0..terrain.dictionary().len() } else { 0..0 };
+                ReachPart { weight, atoms: atoms.map(|atom| terrain.atom_bounds(atom, x, y)).collect() }
             };
             found.push(Reach { rows, cols, parts: (0..PARTS * PARTS).map(part).collect() });
         }
@@ -171,7 +180,7 @@ fn reaches(step: usize, side: usize, radius: f64) -> Result<Vec<Reach>> {
     Ok(found)
 }
 
-/// Range and slope of a disc's own elevation.
+/// Range and slope of a disc's own elevation where its atoms have these.
 fn disc_bounds(terrain: &SparseTerrain, bounds: &[(Interval, f64)], patch: usize) -> (Interval, f64) {
     let (mean, atoms, parts) = terrain.patch(patch);
     let (mut range, mut slope) = (Interval::point(f64::from(mean)), 0.0);

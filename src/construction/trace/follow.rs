@@ -52,8 +52,7 @@ impl Walker<'_, '_> {
         if self.ahead_m <= place.t_m {
             return true;
         }
-        let grown = line.speeds(&place.quad.bounds).map(|[_, grows]| grows * (self.ahead_m - place.t_m));
-        self.retry = !grown.is_some_and(|grown| height_m >= grown && height_m > 0.0);
+        self.retry = !line.clears(&place.quad.bounds, self.ahead_m - place.t_m, height_m);
         !self.retry
     }
 }

@@ -138,6 +138,12 @@ impl Line {
         slope.is_finite().then_some([level - rise, level + rise])
     }
 
+    /// Whether a height above the ground proves that there was none on so many metres of way before it, through a region
+    /// with these bounds: it must be at least what it can have grown by on them.
+    pub(super) fn clears(&self, bounds: &Bounds, way_m: f64, height_m: f64) -> bool {
+        height_m > 0.0 && self.speeds(bounds).is_some_and(|[_, grows]| height_m >= grows * way_m)
+    }
+
     /// Way to ground that is `height_m` below, if none is steeper than `slope`.
     fn way_m(&self, height_m: f64, slope: f64) -> f64 {
         let closing = product(slope, self.level) - self.ray.direction[2];
@@ -218,5 +224,35 @@ impl Progress {
             }
         }
         Hit { t_m: t, proved_m: t_m, wall: false, lost: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn what_clears_a_way_leaves_no_room_for_a_wall(
+            fall in -0.5..1.0_f64, slope in 0.1..4.0_f64, way_m in 0.1..20.0_f64, height_m in -1.0..30.0_f64,
+            top in 0.0..1.0_f64,
+        ) {
+            let ray = Ray { origin: [0.0, 0.0, 0.0], direction: [1.0, 0.0, -fall], footprint_m: 0.1, growth: 0.0, from_m: 0.0 };
+            let line = Line { ray, from_m: 0.0, to_m: way_m, tolerance: 0.5, level: 1.0 };
+            let bounds = Bounds::new(Interval { min: -1e3, max: 1e3 }, slope, Interval::ONE, 0.0);
+            // The steepest wall there can be, which stands as high as it can anywhere on the way.
+            let ground_at_end = ray.elevation_m(way_m) - height_m;
+            let highest = ground_at_end + slope * way_m * (1.0 - top);
+            let is_met = highest >= ray.elevation_m(way_m * top) || height_m <= 0.0;
+            if line.clears(&bounds, way_m, height_m) {
+                prop_assert!(!is_met || (highest - ray.elevation_m(way_m * top)).abs() < 1e-9);
+            }
+            // Nor is more asked for than that: the wall at the way's beginning would be met.
+            let rises = slope - fall >= 0.0 && height_m > 1e-9;
+            if rises && ground_at_end + slope * way_m < -1e-9 {
+                prop_assert!(line.clears(&bounds, way_m, height_m));
+            }
+        }
     }
 }
