@@ -10,7 +10,7 @@
 //! 5  pipeline                              jobs from files to files: memory, layers, tags, archives
 //! 4  figures  oro                          what the methods measured, as charts; the .oro container
 //! 3  orometry  dictionary  construction    the methods
-//!    erosion  tin  plot                    the methods; pictures that know no methods
+//!    erosion  synthesis  tin  plot         the methods; pictures that know no methods
 //! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid  crs                             rasters in memory; where they lie on Earth
 //! 0  error  units  watch  interval  rng    what everybody needs
@@ -60,6 +60,8 @@ pub mod pipeline;
 #[cfg(feature = "program")]
 pub mod plot;
 pub mod rng;
+#[cfg(feature = "program")]
+pub mod synthesis;
 #[cfg(feature = "program")]
 pub mod tin;
 pub mod units;

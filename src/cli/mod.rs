@@ -16,6 +16,7 @@ mod shared;
 mod sparse;
 mod stats;
 mod stats_text;
+mod synthesize;
 mod tags;
 mod tin;
 mod verify;
@@ -46,6 +47,7 @@ enum Verb {
     Peaks(Box<peaks::Peaks>),
     Scene(scene::Scene),
     Stats(Box<stats::Stats>),
+    Synthesize(Box<synthesize::Synthesize>),
     Tin(Box<tin::Tin>),
     Verify(verify::Verify),
 }
@@ -72,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Verb::Peaks(verb)) => execute("peaks", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Scene(verb)) => verb.run(),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Synthesize(verb)) => execute("synthesize", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Tin(verb)) => execute("tin", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),
     }

@@ -57,6 +57,14 @@ impl Crs {
         }
     }
 
+    /// Metres in one unit of the coordinates, where they are plane; else 1.
+    pub fn linear_unit_m(&self) -> f64 {
+        match self.kind {
+            CrsKind::Projected { metres, .. } | CrsKind::Local { metres } => metres,
+            CrsKind::Geographic { .. } => 1.0,
+        }
+    }
+
     /// Authority and code where there is one, else the name.
     pub fn label(&self) -> &str {
         self.authority.as_deref().unwrap_or(&self.name)

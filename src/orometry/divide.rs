@@ -61,6 +61,11 @@ struct Event<K> {
 
 const TOUCH: u8 = u8::MAX;
 
+/// Puts steps in the order of the sweep, from above to below.
+fn sort<K: Key>(events: &mut [Event<K>]) {
+    events.par_sort_unstable_by(|p, q| (q.key, p.cell, p.nth).cmp(&(p.key, q.cell, q.nth)));
+}
+
 struct TileWork<K> {
     tile: Tile,
     scan: Scan<K>,
@@ -110,9 +115,22 @@ impl<K: Key> DivideForest<K> {
         let mut events = events_of(grid, &work, &portals);
         drop(work);
         watch.check()?;
-        events.par_sort_unstable_by(|p, q| (q.key, p.cell, p.nth).cmp(&(p.key, q.cell, q.nth)));
+        sort(&mut events);
         forest.sweep(&mut parent, &events);
         Ok(forest)
+    }
+
+    /// The forest of peaks with given cells and keys that meet at passes: the key and cell of each with the numbers of
+    /// the peaks on its two sides, the first on that of the saddle's topmost neighbour. No two passes are in one cell.
+    pub(super) fn of_passes(cells: Vec<Cell>, keys: Vec<K>, passes: &[(K, Cell, [PeakNumber; 2])]) -> Self {
+        let none = Join { saddle: NO_CELL, near: 0, far: 0, key: K::VOID, nth: 0, near_is_a: false };
+        let mut parent: Vec<PeakNumber> = (0..).take(cells.len()).collect();
+        let mut forest = Self { joins: vec![none; cells.len()], cells, keys, touches: Vec::new() };
+        let mut events: Vec<Event<K>> =
+            passes.iter().map(|&(key, cell, [a, b])| Event { key, cell, nth: 0, a, b }).collect();
+        sort(&mut events);
+        forest.sweep(&mut parent, &events);
+        forest
     }
 
     /// Puts the tiles' peaks and certain joins together; the second result has the joined ones linked already.

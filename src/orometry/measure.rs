@@ -108,7 +108,7 @@ impl<K: Key, M: Metric + ?Sized> Roots<'_, K, M> {
 
 /// Ids by position in the pruned tree: by prominence, then by index. Roots other than the dataset's highest are
 /// ordered by the lower end of their interval.
-fn give_ids<K: Key>(peaks: &[PrunedPeak<K>]) -> Vec<u32> {
+pub(super) fn give_ids<K: Key>(peaks: &[PrunedPeak<K>]) -> Vec<u32> {
     let highest = (0..peaks.len()).max_by_key(|&i| (peaks[i].key, std::cmp::Reverse(peaks[i].cell)));
     let weight = |i: usize| {
         let is_other_root = peaks[i].edge.is_none() && Some(i) != highest;
@@ -137,6 +137,10 @@ fn measure_peaks<K: Key, M: Metric + ?Sized>(
 ) -> Result<Vec<Peak>> {
     watch.begin("measuring peaks", pruned.len() as u64);
     let isolations = options.isolation.then(|| Isolations::new(grid, metric, options.nodata_is_sea));
+    let place = |cell: Cell| -> Place {
+        let (row, col) = grid.place(cell);
+        (row as i64, col as i64)
+    };
     let measured: Vec<Vec<Peak>> = pruned
         .par_chunks(BATCH)
         .zip(ids.par_chunks(BATCH))
@@ -144,7 +148,7 @@ fn measure_peaks<K: Key, M: Metric + ?Sized>(
             watch.advance(batch.len() as u64)?;
             let peaks = batch.iter().zip(batch_ids).map(|(peak, &id)| {
                 let isolation = isolations.as_ref().map(|isolations| isolations.measure(peak.cell, search));
-                measure_peak(grid, elevations, metric, pruned, ids, peak, id, isolation)
+                measure_peak(&place, elevations, metric, pruned, ids, peak, id, isolation)
             });
             Ok(peaks.collect())
         })
@@ -153,8 +157,8 @@ fn measure_peaks<K: Key, M: Metric + ?Sized>(
 }
 
 #[allow(clippy::too_many_arguments, reason = "one row of the result needs all that is known")]
-fn measure_peak<K: Key, M: Metric + ?Sized>(
-    grid: &Grid<K>,
+pub(super) fn measure_peak<K: Key, M: Metric + ?Sized>(
+    place: &impl Fn(Cell) -> Place,
     elevations: &Elevations,
     metric: &M,
     pruned: &[PrunedPeak<K>],
@@ -163,10 +167,6 @@ fn measure_peak<K: Key, M: Metric + ?Sized>(
     id: u32,
     isolation: Option<Isolation>,
 ) -> Peak {
-    let place = |cell: Cell| -> Place {
-        let (row, col) = grid.place(cell);
-        (row as i64, col as i64)
-    };
     let key_saddle = peak.edge.map(|edge| {
         let vector = metric.vector(place(peak.cell), place(edge.join.saddle));
         KeySaddle {
@@ -201,7 +201,7 @@ fn measure_peak<K: Key, M: Metric + ?Sized>(
 }
 
 /// Fills in what relates the peaks to the greatest prominence and elevation among them (Argudo et al. 2019, 4.1).
-fn relate_to_greatest(peaks: &mut [Peak]) {
+pub(super) fn relate_to_greatest(peaks: &mut [Peak]) {
     let greatest = |of: fn(&Peak) -> f64| peaks.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
     let prominence_m = greatest(|peak| peak.prominence_m);
     let elevation_m = greatest(|peak| peak.elevation_m);

@@ -21,6 +21,9 @@ const REGULAR_MESH_BYTES_PER_CELL: u64 = 120;
 /// Bytes a vertex that a triangulation takes while it is refined, with its edges, its triangles and their queue.
 const TIN_BYTES_PER_VERTEX: u64 = 480;
 
+/// Bytes a peak that the synthesis of a divide tree takes, with its triangles and its rows in the output.
+const SYNTHESIS_BYTES_PER_PEAK: u64 = 3000;
+
 /// Bytes that a job takes whatever the raster.
 const FIXED_BYTES: u64 = 96 << 20;
 
@@ -91,6 +94,11 @@ pub fn batch_budget(memory: Option<u64>, needs: &BatchNeeds, remedy: &str) -> Re
     let budget = memory.unwrap_or_else(|| free_bytes().min(usual));
     admit_or(needed, budget, remedy)?;
     Ok((budget - fixed) / COPIES)
+}
+
+/// Bytes that the synthesis of a divide tree of so many peaks takes.
+pub fn synthesis_bytes(peaks: u64) -> u64 {
+    peaks.saturating_mul(SYNTHESIS_BYTES_PER_PEAK).saturating_add(FIXED_BYTES)
 }
 
 /// Refuses a survey that would not fit.

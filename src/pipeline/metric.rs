@@ -1,7 +1,8 @@
 //! Which distances a raster has.
 
-use crate::crs::{Block, CrsKind, Geodesic, Metric, Place, Planar, Surface, Vector};
+use crate::crs::{Block, Crs, CrsKind, Geodesic, Metric, Place, Planar, Surface, Vector};
 use crate::error::{Error, Result};
+use crate::grid::GeoTransform;
 use crate::io::raster::Dem;
 use crate::io::transform::OwnGeographic;
 
@@ -42,19 +43,34 @@ macro_rules! with_metric {
 /// # Errors
 /// A geographic grid that is rotated or reaches beyond a pole; geodesic distances where there is no ellipsoid.
 pub fn metric_of<'a>(dem: &Dem, distance: Distance, to_geographic: Option<&'a OwnGeographic>) -> Result<AnyMetric<'a>> {
-    let (rows, cols) = (dem.grid.rows(), dem.grid.cols());
-    match dem.crs.as_ref().map(|crs| &crs.kind) {
+    let size = (dem.grid.rows(), dem.grid.cols());
+    metric_on(&dem.transform, size, dem.grid.wraps(), dem.crs.as_ref(), distance, to_geographic)
+}
+
+/// The metric of a raster of so many rows and columns that need not be in a file.
+///
+/// # Errors
+/// As [`metric_of`].
+pub(super) fn metric_on<'a>(
+    transform: &GeoTransform,
+    (rows, cols): (usize, usize),
+    wraps: bool,
+    crs: Option<&Crs>,
+    distance: Distance,
+    to_geographic: Option<&'a OwnGeographic>,
+) -> Result<AnyMetric<'a>> {
+    match crs.map(|crs| &crs.kind) {
         Some(CrsKind::Geographic { ellipsoid, degrees }) => {
-            Geodesic::new(ellipsoid, &dem.transform, *degrees, rows, cols, dem.grid.wraps()).map(AnyMetric::Geodesic)
+            Geodesic::new(ellipsoid, transform, *degrees, rows, cols, wraps).map(AnyMetric::Geodesic)
         }
         Some(CrsKind::Projected { ellipsoid, .. }) if distance == Distance::Geodesic => {
             let to_geographic = to_geographic.expect("the caller made one for a projected raster");
-            Ok(AnyMetric::Surface(Surface::new(&dem.transform, ellipsoid, to_geographic, rows, cols)))
+            Ok(AnyMetric::Surface(Surface::new(transform, ellipsoid, to_geographic, rows, cols)))
         }
         _ if distance == Distance::Geodesic => {
             Err(Error::usage("--distance geodesic needs a raster with a CRS on an ellipsoid; assign one with --crs"))
         }
-        _ => Ok(AnyMetric::Planar(Planar::new(&dem.transform, dem.linear_unit_m()))),
+        _ => Ok(AnyMetric::Planar(Planar::new(transform, crs.map_or(1.0, Crs::linear_unit_m)))),
     }
 }
 

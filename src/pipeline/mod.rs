@@ -15,6 +15,7 @@ pub mod sparse;
 mod spikes;
 pub mod stats;
 mod surveying;
+pub mod synthesize;
 mod tags;
 pub mod tin;
 pub mod view;

@@ -131,6 +131,11 @@ impl Triangulation {
         self.numbered().map(|(_, triangle)| triangle)
     }
 
+    /// All edges, also where all points lie on one line and there is no triangle.
+    pub fn edges(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.inner.undirected_edges().map(|edge| edge.vertices().map(|vertex| vertex.data().own))
+    }
+
     /// Whether two vertices are the ends of an edge that was given, or of a part of one.
     pub fn is_given(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|v| self.handles[v as usize]);

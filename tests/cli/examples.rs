@@ -45,9 +45,22 @@ fn examples(verb: &[String]) -> Vec<String> {
 fn they_run() {
     let verbs = verbs();
     assert!(
-        ["decode", "encode", "info", "learn", "map", "peaks", "scene", "scene eval", "stats", "tin", "verify"]
-            .iter()
-            .all(|known| verbs.iter().any(|verb| verb.join(" ") == *known)),
+        [
+            "decode",
+            "encode",
+            "info",
+            "learn",
+            "map",
+            "peaks",
+            "scene",
+            "scene eval",
+            "stats",
+            "synthesize",
+            "tin",
+            "verify"
+        ]
+        .iter()
+        .all(|known| verbs.iter().any(|verb| verb.join(" ") == *known)),
         "{verbs:?}"
     );
     for verb in verbs {

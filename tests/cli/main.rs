@@ -19,6 +19,7 @@ mod scene_failures;
 #[path = "../schema/mod.rs"]
 mod schema;
 mod sparse;
+mod synthesize;
 mod tin;
 
 use serde_json::Value;

@@ -1,7 +1,7 @@
 //! An elevation model in memory.
 
 use super::suspect::Sentinel;
-use crate::crs::{Crs, CrsKind};
+use crate::crs::Crs;
 use crate::grid::{AnyGrid, Elevations, GeoTransform, Key};
 use crate::with_grid;
 
@@ -41,19 +41,6 @@ impl Dem {
     /// Elevations in metres, row by row; NaN for voids.
     pub fn heights_m(&self) -> Vec<f64> {
         with_grid!(&self.grid, grid => metres(grid.cells(), &self.elevations))
-    }
-
-    /// Longitude and latitude in degrees of coordinates in the DEM's CRS, where that is geographic.
-    pub fn geographic(&self, x: f64, y: f64) -> Option<(f64, f64)> {
-        self.crs.as_ref()?.geographic_degrees(x, y)
-    }
-
-    /// Metres in one unit of the coordinates, where they are plane.
-    pub fn linear_unit_m(&self) -> f64 {
-        match self.crs.as_ref().map(|crs| &crs.kind) {
-            Some(CrsKind::Projected { metres, .. } | CrsKind::Local { metres }) => *metres,
-            _ => 1.0,
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What all layers share: where cells lie, and the unit of their lengths.
 
-use crate::crs::{CrsKind, ToGeographic};
-use crate::grid::Cell;
+use crate::crs::{Crs, CrsKind, ToGeographic};
+use crate::grid::{Cell, GeoTransform};
 use crate::io::raster::Dem;
 use crate::io::transform::OwnGeographic;
 use crate::io::vector::{Field, FieldKind};
@@ -38,8 +38,10 @@ impl LengthOutput {
 
 /// Where the cells of a survey lie.
 pub struct Frame<'a> {
-    dem: &'a Dem,
+    transform: GeoTransform,
+    crs: Option<&'a Crs>,
     cols: u64,
+    wraps: bool,
     to_geographic: Option<&'a OwnGeographic>,
     /// Unit of the lengths.
     pub unit: LengthOutput,
@@ -48,7 +50,19 @@ pub struct Frame<'a> {
 impl<'a> Frame<'a> {
     /// The frame of a DEM; `to_geographic` gives longitudes and latitudes of a projected one.
     pub fn new(dem: &'a Dem, to_geographic: Option<&'a OwnGeographic>, unit: LengthOutput) -> Self {
-        Self { dem, cols: dem.grid.cols() as u64, to_geographic, unit }
+        let cols = dem.grid.cols() as u64;
+        Self { transform: dem.transform, crs: dem.crs.as_ref(), cols, wraps: dem.grid.wraps(), to_geographic, unit }
+    }
+
+    /// The frame of a raster that is in no file, of so many columns, which do not wrap.
+    pub fn of_raster(
+        transform: GeoTransform,
+        cols: usize,
+        crs: Option<&'a Crs>,
+        to_geographic: Option<&'a OwnGeographic>,
+        unit: LengthOutput,
+    ) -> Self {
+        Self { transform, crs, cols: cols as u64, wraps: false, to_geographic, unit }
     }
 
     /// Row and column of a cell.
@@ -61,7 +75,7 @@ impl<'a> Frame<'a> {
     #[inline]
     pub fn point(&self, cell: Cell) -> (f64, f64) {
         let (row, col) = self.place(cell);
-        self.dem.transform.centre(row as f64, col as f64)
+        self.transform.centre(row as f64, col as f64)
     }
 
     /// Longitudes and latitudes of cells in degrees; NaN where there are none.
@@ -72,13 +86,14 @@ impl<'a> Frame<'a> {
             to_geographic.to_geographic(&mut x, &mut y);
             x.into_iter().zip(y).collect()
         } else {
-            points.map(|(x, y)| self.dem.geographic(x, y).unwrap_or((f64::NAN, f64::NAN))).collect()
+            let geographic = |(x, y)| self.crs.and_then(|crs| crs.geographic_degrees(x, y));
+            points.map(|point| geographic(point).unwrap_or((f64::NAN, f64::NAN))).collect()
         }
     }
 
     /// What the coordinates are; `None` without a CRS.
     pub fn crs_kind(&self) -> Option<&'a CrsKind> {
-        self.dem.crs.as_ref().map(|crs| &crs.kind)
+        self.crs.map(|crs| &crs.kind)
     }
 
     /// What turns projected coordinates into longitudes and latitudes, where there is something.
@@ -88,7 +103,7 @@ impl<'a> Frame<'a> {
 
     /// Whether lines may cross the seam of a raster whose columns wrap.
     pub fn wraps(&self) -> bool {
-        self.dem.grid.wraps()
+        self.wraps
     }
 
     /// Columns of the raster.
@@ -98,7 +113,7 @@ impl<'a> Frame<'a> {
 
     /// Coordinates of a point on row and column, both fractional.
     pub fn centre(&self, row: f64, col: f64) -> (f64, f64) {
-        self.dem.transform.centre(row, col)
+        self.transform.centre(row, col)
     }
 
     /// A field for lengths.

@@ -1,16 +1,15 @@
 //! What an input is: a DEM, a layer of peaks, or a statistics file.
 
 use super::super::archive::open_dem;
-use super::job::StatsJob;
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::features::{LayerSummary, list_layers};
-use crate::io::raster::RasterSource;
+use crate::io::raster::{RasterOptions, RasterSource};
 use crate::orometry::distributions::{STATS_FORMAT, StatsDocument};
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
 
 /// An input, opened.
-pub(super) enum InputFile {
+pub(in super::super) enum InputFile {
     /// A raster of elevations.
     Dem(Box<RasterSource>),
     /// A file with a layer of peaks.
@@ -20,13 +19,23 @@ pub(super) enum InputFile {
 }
 
 /// A file with a layer of peaks.
-pub(super) struct PeaksFile {
+pub(in super::super) struct PeaksFile {
     /// The file.
-    pub(super) path: PathBuf,
+    pub(in super::super) path: PathBuf,
     /// The layer.
     pub(super) layer: LayerSummary,
     /// Unit of its lengths: the end of the names of their fields, and the metres in one.
     pub(super) unit: (&'static str, f64),
+}
+
+/// How inputs are read.
+pub(in super::super) struct Reading<'a> {
+    /// How to read a DEM; its CRS also is that of a layer of peaks without one.
+    pub(in super::super) raster: &'a RasterOptions,
+    /// Name of the layer of peaks, where there are several.
+    pub(in super::super) layer: Option<&'a str>,
+    /// Bytes of memory that may be used; what is free unless given.
+    pub(in super::super) memory: Option<u64>,
 }
 
 /// Extensions of files that hold layers rather than rasters; a GeoPackage may hold either.
@@ -37,7 +46,7 @@ impl InputFile {
     ///
     /// # Errors
     /// When it is missing, or cannot be read as what it seems to be.
-    pub(super) fn open(path: &Path, job: &StatsJob, watch: &Watch) -> Result<Self> {
+    pub(in super::super) fn open(path: &Path, reading: &Reading<'_>, watch: &Watch) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         if extension == "json" {
             let text = std::fs::read_to_string(path).map_err(|error| {
@@ -53,7 +62,7 @@ impl InputFile {
                 return Ok(Self::Document(Box::new(document)));
             }
         }
-        let dem = || open_dem(path, &job.raster, job.memory, watch).map(|source| Self::Dem(Box::new(source)));
+        let dem = || open_dem(path, reading.raster, reading.memory, watch).map(|source| Self::Dem(Box::new(source)));
         if !VECTORS.contains(&extension.as_str()) {
             return dem();
         }
@@ -61,7 +70,7 @@ impl InputFile {
         if extension == "gpkg" && layers.iter().all(|layer| layer.fields.is_empty()) {
             return dem();
         }
-        PeaksFile::choose(path, layers, job.layer.as_deref()).map(Self::Peaks)
+        PeaksFile::choose(path, layers, reading.layer).map(Self::Peaks)
     }
 }
 

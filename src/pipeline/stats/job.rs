@@ -2,7 +2,7 @@
 
 use super::super::metric::Distance;
 use super::super::tags::TagLayer;
-use super::input::{InputFile, is_document};
+use super::input::{InputFile, Reading, is_document};
 use super::output::Outputs;
 use super::{dem, layer};
 use crate::crs::{Crs, CrsKind};
@@ -123,7 +123,8 @@ impl StatsJob {
 /// Anything that is wrong with the inputs, the outputs or the options; then no file has changed.
 pub fn run(job: &StatsJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<StatsReport> {
     let outputs = Outputs::begin(job)?;
-    let inputs = job.inputs.iter().map(|path| InputFile::open(path, job, watch)).collect::<Result<Vec<_>>>()?;
+    let reading = Reading { raster: &job.raster, layer: job.layer.as_deref(), memory: job.memory };
+    let inputs = job.inputs.iter().map(|path| InputFile::open(path, &reading, watch)).collect::<Result<Vec<_>>>()?;
     if inputs.iter().all(is_document) {
         refuse_measuring(job)?;
     }

@@ -14,34 +14,61 @@ use crate::orometry::distributions::{
 use crate::units::parse_length_m;
 use geo::Geometry;
 
+/// The peaks of a layer, read.
+pub(in super::super) struct LayerPeaks {
+    /// Those that have an elevation and a prominence.
+    pub(in super::super) peaks: Vec<PeakMeasures>,
+    /// The CRS of the layer, or the one that was assigned to a layer without.
+    pub(in super::super) crs: Option<Crs>,
+    /// The least prominence in metres that the peaks were chosen by, where that is known.
+    pub(in super::super) threshold_m: Option<f64>,
+}
+
+impl LayerPeaks {
+    /// Reads a layer; peaks below `min_prominence_m` are left out, and `crs` is that of a layer without one.
+    ///
+    /// # Errors
+    /// When it cannot be read, or its CRS is none.
+    pub(in super::super) fn read(
+        file: &PeaksFile,
+        crs: Option<&str>,
+        min_prominence_m: Option<f64>,
+        note: &mut dyn FnMut(String),
+    ) -> Result<Self> {
+        let wanted = fields(file.unit.0);
+        let is_there = |field: &&str| file.layer.fields.iter().any(|name| name == field);
+        let there: Vec<&str> = wanted.iter().map(String::as_str).filter(is_there).collect();
+        let layer = read_layer(&file.path, Some(&file.layer.name), &there, None)?;
+        let crs = layer.crs_wkt.as_deref().or(crs).map(parse_crs).transpose()?;
+        let mut peaks = Rows { layer: &layer, unit: file.unit }.read(note, file);
+        let own_threshold_m = threshold_m(file)?;
+        if let Some(least_m) = min_prominence_m {
+            if own_threshold_m.is_some_and(|own_m| own_m > least_m) {
+                note(format!(
+                    "{}: its peaks have a prominence of {} m or more; it knows none between that and {least_m} m",
+                    file.path.display(),
+                    own_threshold_m.unwrap_or_default()
+                ));
+            }
+            peaks.retain(|peak| peak.prominence_m >= least_m);
+        }
+        let threshold_m = match (min_prominence_m, own_threshold_m) {
+            (Some(given_m), Some(own_m)) => Some(given_m.max(own_m)),
+            (given_m, own_m) => given_m.or(own_m),
+        };
+        Ok(Self { peaks, crs, threshold_m })
+    }
+}
+
 /// Measures a layer of peaks.
 pub(super) fn measure(job: &StatsJob, file: &PeaksFile, note: &mut dyn FnMut(String)) -> Result<StatsDocument> {
-    let wanted = fields(file.unit.0);
-    let there: Vec<&str> =
-        wanted.iter().map(String::as_str).filter(|field| file.layer.fields.iter().any(|name| name == field)).collect();
-    let layer = read_layer(&file.path, Some(&file.layer.name), &there, None)?;
-    let crs = crs_of(&layer, job)?;
-    let mut rows = Rows { layer: &layer, unit: file.unit }.read(note, file);
+    let read = LayerPeaks::read(file, job.raster.crs.as_deref(), job.min_prominence_m, note)?;
+    let LayerPeaks { peaks: mut rows, crs, threshold_m } = read;
     if crs.is_none() && !job.disks.is_empty() && rows.iter().any(|peak| peak.lon.is_some()) {
         return Err(Error::usage("--disk: the layer does not say in which CRS its peaks are: assign it with --crs")
             .at_path(&file.path));
     }
     place(&mut rows, crs.as_ref())?;
-    let own_threshold_m = threshold_m(file)?;
-    if let Some(least_m) = job.min_prominence_m {
-        if own_threshold_m.is_some_and(|own_m| own_m > least_m) {
-            note(format!(
-                "{}: its peaks have a prominence of {} m or more; it knows none between that and {least_m} m",
-                file.path.display(),
-                own_threshold_m.unwrap_or_default()
-            ));
-        }
-        rows.retain(|peak| peak.prominence_m >= least_m);
-    }
-    let threshold_m = match (job.min_prominence_m, own_threshold_m) {
-        (Some(given_m), Some(own_m)) => Some(given_m.max(own_m)),
-        (given_m, own_m) => given_m.or(own_m),
-    };
     let mut selections = vec![Selection::Whole];
     selections.extend(tag(job, crs.as_ref(), &mut rows, note)?.into_iter().map(Selection::Region));
     selections.extend(job.disks(crs.as_ref())?);
@@ -72,12 +99,6 @@ fn fields(unit: &str) -> Vec<String> {
         "lat",
     ];
     lengths.into_iter().chain(others.map(str::to_string)).collect()
-}
-
-/// The CRS of a layer, or the one that was assigned to a layer without.
-fn crs_of(layer: &Layer, job: &StatsJob) -> Result<Option<Crs>> {
-    let definition = layer.crs_wkt.as_deref().or(job.raster.crs.as_deref());
-    definition.map(parse_crs).transpose()
 }
 
 /// The least prominence in metres that the layer's peaks were chosen by, where the file tells.

@@ -6,4 +6,7 @@ mod job;
 mod layer;
 mod output;
 
+pub(super) use input::{InputFile, PeaksFile, Reading};
+pub(super) use layer::LayerPeaks;
+
 pub use job::{DiskWords, DomainComparison, StatsJob, StatsReport, run};

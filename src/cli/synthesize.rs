@@ -1,0 +1,229 @@
+//! `orograph synthesize`.
+
+use super::progress::watched;
+use super::report::Reporter;
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, four, list};
+use super::wrong_value;
+use crate::error::{Error, Result};
+use crate::orometry::distributions::Comparison;
+use crate::pipeline::synthesize::{SynthesizeJob, SynthesizeReport, run};
+use crate::synthesis::SynthesisOptions;
+use crate::units::parse_length_m;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Make mountains like those of a real range: peaks, key saddles and a divide tree with its statistics.
+///
+/// A range is a DEM, which is measured first, a layer of peaks that `orograph peaks` wrote, or statistics that
+/// `orograph stats` wrote and anybody may edit. Its elevations, prominences, dominances and isolations are repeated, bin
+/// by bin, on any land, by other peaks in other places. Isolations are those to the nearest higher peak; a statistics
+/// file has those to higher ground, which are somewhat shorter. OUT.gpkg holds the layers that `orograph peaks` writes,
+/// styled for QGIS. Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "Examples:\n  \
+    orograph synthesize tree.gpkg --tree-only --like fixtures/jacksboro.tif --seed 1\n  \
+    orograph synthesize hills.gpkg --tree-only --like fixtures/jacksboro.tif --crs EPSG:32617 --bbox 500000,4000000,530000,4020000")]
+pub(super) struct Synthesize {
+    /// Output: .gpkg, .csv, .geojson or .fgb.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// The range to be like: DEM, layer of peaks or statistics file; several with --type-map.
+    #[arg(long, value_name = "RANGE", required = true)]
+    like: Vec<PathBuf>,
+    /// Make the divide tree. Terrain is not made yet, so this must be given.
+    #[arg(long)]
+    tree_only: bool,
+    /// The land to fill, in units of --crs; that of the first range unless given.
+    #[arg(long, value_name = "XMIN,YMIN,XMAX,YMAX", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
+    bbox: Option<Vec<f64>>,
+    /// CRS of the land: EPSG:2056, WKT, a PROJ string; that of the first range unless given.
+    #[arg(long, value_name = "CRS")]
+    crs: Option<String>,
+    /// Side of the land's cells, on which peaks and saddles stand.
+    #[arg(long, value_name = "LENGTH", default_value = "30m", allow_hyphen_values = true)]
+    resolution: String,
+    /// Number of peaks; by the density of the range unless given.
+    #[arg(long, value_name = "N")]
+    peaks: Option<usize>,
+    /// Equal seeds make equal mountains.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    /// Raster of how many peaks there are beside other places, over all of the land; none where it is 0 or void.
+    #[arg(long, value_name = "RASTER")]
+    density_map: Option<PathBuf>,
+    /// Raster of how high the land is beside other places, over all of the land, in any unit.
+    #[arg(long, value_name = "RASTER")]
+    elevation_map: Option<PathBuf>,
+    /// Raster of which range the land is like, over all of it: 1 for the first --like, 2 for the second ...
+    #[arg(long, value_name = "RASTER")]
+    type_map: Option<PathBuf>,
+    /// How much more a ridge between high peaks is liked than a short one (rho of the paper's equation 1).
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2), default_value_t = 1)]
+    ridge_exponent: u8,
+    /// Least prominence of the range's peaks: 30m for a DEM unless given, for a layer that of its peaks.
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    min_prominence: Option<String>,
+    /// Layer of the range's peaks, where a file has several.
+    #[arg(long, value_name = "LAYER")]
+    layer: Option<String>,
+    /// Region or disk of a statistics file; its first domain unless given.
+    #[arg(long, value_name = "NAME")]
+    domain: Option<String>,
+    #[command(flatten)]
+    out: OutputOptions,
+    #[command(flatten)]
+    memory: MemoryOptions,
+    #[command(flatten)]
+    pub(super) common: CommonOptions,
+}
+
+impl Synthesize {
+    fn meant(&self) -> Result<SynthesizeJob> {
+        if !self.tree_only {
+            return Err(Error::usage(
+                "terrain is not made yet: give --tree-only for the divide tree, which is a .gpkg of peaks, saddles and ridges",
+            ));
+        }
+        let length = |option: &str, text: &str| parse_length_m(text).map_err(|error| wrong_value(option, &error));
+        let resolution_m = length("--resolution", &self.resolution)?;
+        if resolution_m.is_nan() || resolution_m <= 0.0 {
+            return Err(Error::usage(format!("--resolution {}: expected more than 0", self.resolution)));
+        }
+        let min_prominence_m =
+            self.min_prominence.as_deref().map(|text| length("--min-prominence", text)).transpose()?;
+        if min_prominence_m.is_some_and(|m| m < 0.0) {
+            return Err(Error::usage("--min-prominence: expected 0 or more"));
+        }
+        Ok(SynthesizeJob {
+            like: self.like.clone(),
+            layer: self.layer.clone(),
+            domain: self.domain.clone(),
+            min_prominence_m,
+            output: self.output.clone(),
+            overwrite: self.out.overwrite,
+            bbox: four("--bbox", self.bbox.as_deref())?,
+            crs: self.crs.clone(),
+            resolution_m,
+            peaks: self.peaks,
+            density_map: self.density_map.clone(),
+            elevation_map: self.elevation_map.clone(),
+            type_map: self.type_map.clone(),
+            options: SynthesisOptions { seed: self.seed, ridge_exponent: self.ridge_exponent },
+            memory: self.memory.bytes()?,
+            command: self.words().join(" "),
+        })
+    }
+
+    /// The command without what changes no result.
+    fn words(&self) -> Vec<String> {
+        let mut words = vec!["orograph".into(), "synthesize".into(), "--tree-only".into()];
+        let mut put = |option: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [option.to_string(), value]));
+        };
+        let path = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
+        self.like.iter().for_each(|like| put("--like", Some(like.display().to_string())));
+        put("--layer", self.layer.clone());
+        put("--domain", self.domain.clone());
+        put("--min-prominence", self.min_prominence.clone());
+        put("--bbox", self.bbox.as_deref().map(list));
+        put("--crs", self.crs.clone());
+        put("--resolution", Some(self.resolution.clone()));
+        put("--peaks", self.peaks.map(|peaks| peaks.to_string()));
+        put("--density-map", path(&self.density_map));
+        put("--elevation-map", path(&self.elevation_map));
+        put("--type-map", path(&self.type_map));
+        put("--ridge-exponent", Some(self.ridge_exponent.to_string()));
+        put("--seed", Some(self.seed.to_string()));
+        words
+    }
+
+    pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
+        self.like.iter().for_each(|like| reporter.input(like));
+        let job = self.meant()?;
+        let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
+        reporter.outputs(&report.outputs);
+        let [measured, synthesised, written] = report.times.map(|time| time.as_secs_f64());
+        reporter.remark(&format!("measured {measured:.3} s, synthesised {synthesised:.3} s, written {written:.3} s"));
+        if !reporter.is_json() {
+            reporter.say(&text(&report))?;
+        }
+        Ok(json(&report))
+    }
+}
+
+/// The metrics that are repeated on purpose, with the names that people know them by.
+const REPEATED: [(&str, &str); 5] = [
+    ("prominence", "prominence"),
+    ("dominance", "dominance"),
+    ("elevation", "elevation"),
+    ("isolation_distance", "isolation"),
+    ("isolation_direction", "direction"),
+];
+
+fn text(report: &SynthesizeReport) -> String {
+    use std::fmt::Write;
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "{} peaks and {} saddles on {:.0} km² ({} x {} cells)",
+        report.survey.peaks.len(),
+        report.survey.edges.len(),
+        report.area_km2,
+        report.size.1,
+        report.size.0
+    );
+    for range in &report.ranges {
+        let _ = writeln!(
+            text,
+            "like {}: {} peaks for its {}; largest difference of a bin, and total variation:",
+            range.path.display(),
+            range.peaks,
+            range.like_peaks
+        );
+        for (metric, name) in REPEATED {
+            let found = range.comparisons.iter().find(|comparison| comparison.metric == metric);
+            let percent = |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.2} %", value * 100.0));
+            let of = |value: fn(&Comparison) -> Option<f64>| percent(found.and_then(value));
+            let _ = writeln!(
+                text,
+                "  {name:<12} {:>8} {:>8}",
+                of(|comparison| comparison.largest_bin_difference),
+                of(|comparison| comparison.total_variation)
+            );
+        }
+    }
+    for output in &report.outputs {
+        let _ = writeln!(text, "written: {}", output.display());
+    }
+    text
+}
+
+fn json(report: &SynthesizeReport) -> Value {
+    let [measured, synthesised, written] = report.times.map(|time| time.as_secs_f64());
+    let ranges: Vec<Value> = report
+        .ranges
+        .iter()
+        .map(|range| {
+            json!({
+                "like": range.path.display().to_string(),
+                "like_peaks": range.like_peaks,
+                "peaks": range.peaks,
+                "metrics": range.comparisons,
+                "statistics": range.domain,
+            })
+        })
+        .collect();
+    json!({
+        "rows": report.size.0,
+        "cols": report.size.1,
+        "area_km2": report.area_km2,
+        "peaks": report.survey.peaks.len(),
+        "edges": report.survey.edges.len(),
+        "peaks_without_room_at_their_isolation": report.misplaced,
+        "peaks_without_a_drawn_prominence": report.misjudged,
+        "ranges": ranges,
+        "seconds": { "measure": measured, "synthesize": synthesised, "write": written },
+    })
+}

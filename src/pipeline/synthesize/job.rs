@@ -1,0 +1,200 @@
+//! What to do, and what was done.
+
+use super::super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput, NAMES, PeaksLayer, SaddlesLayer};
+use super::super::memory;
+use super::super::metric::{AnyMetric, Distance, metric_on};
+use super::super::surveying::own_geographic;
+use super::land::Land;
+use super::maps::Maps;
+use super::range::{Range, RangeOptions};
+use crate::error::{Error, Result};
+use crate::io::vector::{Table, Writer};
+use crate::orometry::distributions::{BinSet, Comparison, Domain, PeakMeasures, Selection, compare};
+use crate::orometry::{Survey, survey_tree};
+use crate::synthesis::{Extent, Synthesis, SynthesisOptions, Target, peak_counts, synthesize};
+use crate::watch::Watch;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// What to do.
+#[derive(Clone, Debug)]
+pub struct SynthesizeJob {
+    /// The ranges to be like: DEMs, layers of peaks, statistics files.
+    pub like: Vec<PathBuf>,
+    /// Name of the layer of peaks, where a file has several.
+    pub layer: Option<String>,
+    /// The domain of a statistics file; its first unless given.
+    pub domain: Option<String>,
+    /// Least prominence in metres of the ranges' peaks; 30 m on a DEM and that of a layer unless given.
+    pub min_prominence_m: Option<f64>,
+    /// Where to write.
+    pub output: PathBuf,
+    /// Whether an existing output may be replaced.
+    pub overwrite: bool,
+    /// The land to fill: least x, least y, greatest x, greatest y; that of the first range unless given.
+    pub bbox: Option<[f64; 4]>,
+    /// The CRS of the land; that of the first range unless given.
+    pub crs: Option<String>,
+    /// Side of the land's cells in metres, on which peaks and saddles stand.
+    pub resolution_m: f64,
+    /// Number of peaks; by the density of the ranges unless given.
+    pub peaks: Option<usize>,
+    /// A raster of how many peaks there are beside other places.
+    pub density_map: Option<PathBuf>,
+    /// A raster of how high the land is beside other places.
+    pub elevation_map: Option<PathBuf>,
+    /// A raster of the numbers, from 1, of the ranges to be like.
+    pub type_map: Option<PathBuf>,
+    /// How to synthesise.
+    pub options: SynthesisOptions,
+    /// Bytes of memory that may be used; what is free unless given.
+    pub memory: Option<u64>,
+    /// The options that change results, for the metadata.
+    pub command: String,
+}
+
+/// What was done.
+#[derive(Debug)]
+pub struct SynthesizeReport {
+    /// The survey of the tree.
+    pub survey: Survey,
+    /// Rows and columns of the land.
+    pub size: (usize, usize),
+    /// Area of the land in square kilometres.
+    pub area_km2: f64,
+    /// How far the peaks like each range are from it.
+    pub ranges: Vec<RangeReport>,
+    /// Peaks that found no room at the isolation that was drawn for them.
+    pub misplaced: usize,
+    /// Peaks that could not have a prominence that was drawn.
+    pub misjudged: usize,
+    /// The files written.
+    pub outputs: Vec<PathBuf>,
+    /// How long measuring the ranges, synthesising and writing took.
+    pub times: [Duration; 3],
+}
+
+/// How far the peaks like a range are from it.
+#[derive(Debug)]
+pub struct RangeReport {
+    /// The range.
+    pub path: PathBuf,
+    /// Its own peaks.
+    pub like_peaks: u64,
+    /// Those that were made.
+    pub peaks: u64,
+    /// Statistics of those, isolations being those to higher peaks.
+    pub domain: Domain,
+    /// The distances between the distributions, in the fine bins.
+    pub comparisons: Vec<Comparison>,
+}
+
+/// Runs the job.
+///
+/// # Errors
+/// Anything that is wrong with the ranges, the maps, the output or the options; then no file has changed.
+pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<SynthesizeReport> {
+    if job.like.len() > 1 && job.type_map.is_none() {
+        return Err(Error::usage("--like is given several times: say with --type-map where the land is like which"));
+    }
+    let writer = Writer::begin(&job.output, &NAMES, job.overwrite)?;
+    let outputs = writer.targets();
+    let begun = Instant::now();
+    let mut note = |text: String| warn(&text);
+    let reading = RangeOptions {
+        min_prominence_m: job.min_prominence_m,
+        layer: job.layer.as_deref(),
+        domain: job.domain.as_deref(),
+        memory: job.memory,
+    };
+    let ranges = job.like.iter().map(|path| reading.read(path, watch, &mut note)).collect::<Result<Vec<Range>>>()?;
+    let first = ranges.first().ok_or_else(|| Error::usage("--like names no range"))?;
+    let land = Land::new(first, job.bbox, job.crs.as_deref(), job.resolution_m)?;
+    let maps = Maps {
+        density: job.density_map.as_ref(),
+        elevation: job.elevation_map.as_ref(),
+        kind: job.type_map.as_ref(),
+        memory: job.memory,
+    };
+    let controls = maps.read(&land, watch)?;
+    let measured = begun.elapsed();
+    let begun = Instant::now();
+    let to_geographic = own_geographic(land.crs.as_ref())?;
+    let metric =
+        metric_on(&land.transform, land.size(), false, land.crs.as_ref(), Distance::Crs, to_geographic.as_ref())?;
+    let extent: Extent<'_, AnyMetric<'_>> = Extent::new(land.rows, land.cols, &metric);
+    let targets: Vec<&Target> = ranges.iter().map(|range| &range.target).collect();
+    let counts = peak_counts(&extent, &targets, &controls, job.peaks)?;
+    let needed = memory::synthesis_bytes(counts.iter().map(|&count| count as u64).sum());
+    memory::admit_or(needed, job.memory.unwrap_or_else(memory::free_bytes), "give fewer peaks")?;
+    let made = synthesize(&extent, &targets, &counts, &controls, &job.options, watch)?;
+    let survey = survey_tree(&made.tree, &metric)?;
+    let reports = report(job, &ranges, &made, &survey, extent.area_km2())?;
+    let synthesised = begun.elapsed();
+    let begun = Instant::now();
+    let frame =
+        Frame::of_raster(land.transform, land.cols, land.crs.as_ref(), to_geographic.as_ref(), LengthOutput::Metres);
+    let tables: [Box<dyn Table + '_>; 4] = [
+        Box::new(PeaksLayer::new(&frame, &survey.peaks, &[])),
+        Box::new(SaddlesLayer::new(&frame, &survey.peaks)),
+        Box::new(DivideTreeLayer::new(&frame, &survey.edges)),
+        Box::new(IsolationLayer::new(&frame, &survey.peaks)),
+    ];
+    let views: Vec<&dyn Table> = tables.iter().map(AsRef::as_ref).collect();
+    writer.write(&views, land.crs.as_ref(), &metadata(job, &ranges), watch)?;
+    drop(tables);
+    Ok(SynthesizeReport {
+        size: land.size(),
+        area_km2: extent.area_km2(),
+        ranges: reports,
+        misplaced: made.misplaced,
+        misjudged: made.misjudged,
+        outputs,
+        times: [measured, synthesised, begun.elapsed()],
+        survey,
+    })
+}
+
+/// Holds what was made against the ranges.
+fn report(
+    job: &SynthesizeJob,
+    ranges: &[Range],
+    made: &Synthesis,
+    survey: &Survey,
+    area_km2: f64,
+) -> Result<Vec<RangeReport>> {
+    let kind_of: std::collections::BTreeMap<u64, usize> =
+        made.tree.peaks.iter().zip(&made.kinds).map(|(peak, &kind)| (peak.0, kind)).collect();
+    let report = |(kind, (range, path)): (usize, (&Range, &PathBuf))| {
+        let peaks: Vec<PeakMeasures> =
+            survey.peaks.iter().filter(|peak| kind_of.get(&peak.cell) == Some(&kind)).map(PeakMeasures::from).collect();
+        let domain = Domain::measure(&Selection::Whole, &peaks, range.radius_m, None, Some(area_km2))?;
+        Ok(RangeReport {
+            path: path.clone(),
+            like_peaks: range.domain.peak_count,
+            peaks: domain.peak_count,
+            comparisons: compare(&range.domain, &domain, BinSet::Fine, range.radius_m)?,
+            domain,
+        })
+    };
+    ranges.iter().zip(&job.like).enumerate().map(report).collect()
+}
+
+/// What the output says of its origin: nothing that differs from run to run.
+fn metadata(job: &SynthesizeJob, ranges: &[Range]) -> Vec<(String, String)> {
+    let text = |value: &str| value.to_string();
+    let mut command = job.command.clone();
+    // Whoever counts the peaks wants to know which are missing, also where nobody said.
+    let least_m = ranges.iter().filter_map(|range| range.threshold_m).reduce(f64::min);
+    if let Some(least_m) = least_m.filter(|_| job.min_prominence_m.is_none()) {
+        command.push_str(&format!(" --min-prominence {least_m}m"));
+    }
+    vec![
+        (text("OROGRAPH_COMMAND"), command),
+        (text("OROGRAPH_VERSION"), text(env!("CARGO_PKG_VERSION"))),
+        (
+            text("OROGRAPH_DEFINITIONS"),
+            text("synthesised after Argudo et al. 2019; isolation: distance to the nearest strictly higher peak"),
+        ),
+    ]
+}

@@ -1,0 +1,31 @@
+//! Synthesis: divide trees from the statistics of real ranges.
+//!
+//! After Argudo et al. 2019, section 5, in four steps, each in a file of its own:
+//!
+//! 1. `cast`: elevations, prominences, dominances and isolations are drawn from their histograms ([`Target`]) stratum
+//!    by stratum, and paired so that they go together.
+//! 2. `throw`: from the highest to the lowest, each peak gets a place at its isolation from those before it, where
+//!    [`Controls`] welcome it.
+//! 3. `grow`: peaks end by falling key saddle, each at the cheapest ridge of the Delaunay triangulation (`ridges`) that
+//!    leads to a higher top: a spanning tree whose prominences are as drawn.
+//! 4. `saddles`: each saddle gets a place beside its ridge.
+//!
+//! What comes out is a [`crate::orometry::GivenTree`], which [`crate::orometry::survey_tree`] measures.
+
+mod cast;
+mod controls;
+mod corridors;
+mod extent;
+mod grow;
+mod ridges;
+mod saddles;
+mod strata;
+mod synthesize;
+mod tally;
+mod target;
+mod throw;
+
+pub use controls::{ControlMap, Controls};
+pub use extent::Extent;
+pub use synthesize::{Synthesis, SynthesisOptions, peak_counts, synthesize};
+pub use target::Target;
