@@ -51,6 +51,11 @@ pub(super) fn grow(roles: &mut [Role], ridges: &[Ridge], targets: &[&Target]) ->
     Grown { edges: growth.edges, missed: growth.missed }
 }
 
+/// Whether a saddle would not lie below the sea, for a peak above it.
+fn fits(prominence_m: f64, elevation_m: f64) -> bool {
+    elevation_m <= 0.0 || prominence_m <= elevation_m
+}
+
 /// Bits of a float that is not negative or small, in the order of its values.
 fn ordered(value: f64) -> i64 {
     #[allow(clippy::cast_possible_wrap, reason = "the bits as they are")]
@@ -106,6 +111,9 @@ impl<'a> Growth<'a> {
         };
         for peak in growth.tops.clone().into_iter().skip(1) {
             let role = &mut growth.roles[peak as usize];
+            if !fits(role.prominence_m, role.elevation_m) {
+                role.prominence_m = role.elevation_m;
+            }
             role.prominence_m = role.elevation_m - stepped(role.elevation_m - role.prominence_m);
             growth.await_turn(peak);
         }
@@ -230,7 +238,8 @@ impl<'a> Growth<'a> {
             let role = &self.roles[other as usize];
             // A higher peak would end above the saddles that are there already.
             let is_fit = other > peak && role.kind == kind;
-            if is_fit && role.elevation_m - prominence_m <= level_m && role.prominence_m <= elevation_m {
+            let can_take = fits(prominence_m, role.elevation_m) && fits(role.prominence_m, elevation_m);
+            if is_fit && can_take && role.elevation_m - prominence_m <= level_m {
                 candidates.push(other);
                 if candidates.len() == PARTNERS {
                     break;

@@ -5,7 +5,7 @@
 //! 1. `cast`: elevations, prominences, dominances and isolations are drawn from their histograms ([`Target`]) stratum
 //!    by stratum, and paired so that they go together.
 //! 2. `throw`: from the highest to the lowest, each peak gets a place at its isolation from those before it, where
-//!    [`Controls`] welcome it.
+//!    [`Controls`] welcome it and no ridge is barred that others need (`corridors`).
 //! 3. `grow`: peaks end by falling key saddle, each at the cheapest ridge of the Delaunay triangulation (`ridges`) that
 //!    leads to a higher top: a spanning tree whose prominences are as drawn.
 //! 4. `saddles`: each saddle gets a place beside its ridge.

@@ -34,7 +34,7 @@ pub fn prominences_m(tree: &GivenTree) -> Vec<f64> {
         let own_m = tree.peaks[peak].1;
         let ways = ways(tree, peak);
         let higher = (0..tree.peaks.len()).filter(|&other| tree.peaks[other].1 > own_m);
-        own_m - higher.map(|other| ways[other]).fold(0.0_f64, f64::max)
+        higher.map(|other| ways[other]).reduce(f64::max).map_or(own_m, |saddle_m| own_m - saddle_m)
     };
     (0..tree.peaks.len()).map(of).collect()
 }
