@@ -10,7 +10,8 @@
 //! 5  pipeline                              jobs from files to files: memory, layers, tags, archives
 //! 4  figures  oro                          what the methods measured, as charts; the .oro container
 //! 3  orometry  dictionary  construction    the methods
-//!    erosion  synthesis  tin  plot         the methods; pictures that know no methods
+//!    amplify  erosion  synthesis  tin      the methods
+//!    plot                                  pictures that know no methods
 //! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid  crs                             rasters in memory; where they lie on Earth
 //! 0  error  units  watch  interval  rng    what everybody needs
@@ -31,6 +32,8 @@
 //! Without the feature `program` (`default-features = false`) there are only [`oro`], [`codec`] and what they stand on:
 //! no GDAL, no threads, and it builds for wasm32.
 
+#[cfg(feature = "program")]
+pub mod amplify;
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;

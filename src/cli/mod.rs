@@ -1,5 +1,6 @@
 //! The command line: words to calls, results to words. One file a verb.
 
+mod amplify;
 mod container_info;
 mod container_text;
 mod decode;
@@ -39,6 +40,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    Amplify(Box<amplify::Amplify>),
     Decode(Box<decode::Decode>),
     Encode(Box<encode::Encode>),
     Info(info::Info),
@@ -66,6 +68,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
     match parsed.verb {
         None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
+        Some(Verb::Amplify(verb)) => execute("amplify", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Decode(verb)) => execute("decode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Encode(verb)) => execute("encode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),

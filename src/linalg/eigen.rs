@@ -89,9 +89,29 @@ fn search(matrix: &[f64], vector: &mut [f64]) -> bool {
     true
 }
 
-/// The eigenvector of the largest eigenvalue of a small symmetric matrix, by rotations that take away one value
-/// beside the diagonal after the other (Jacobi 1846).
+/// The eigenvector of the largest eigenvalue of a small symmetric matrix.
 fn largest_of(a: &mut [f64], size: usize) -> Vec<f64> {
+    let vectors = diagonalise(a, size);
+    let best = (0..size).fold(0, |best, i| if a[i * (size + 1)] > a[best * (size + 1)] { i } else { best });
+    vectors[best * size..][..size].to_vec()
+}
+
+/// All eigenvalues of a symmetric matrix, the largest first, and their unit eigenvectors, one after the other.
+///
+/// # Complexity
+/// Some ten times the cube of the size.
+pub(crate) fn eigenvectors(matrix: &[f64], size: usize) -> (Vec<f64>, Vec<f64>) {
+    let mut a = matrix.to_vec();
+    let vectors = diagonalise(&mut a, size);
+    let mut order: Vec<usize> = (0..size).collect();
+    order.sort_by(|&i, &j| a[j * (size + 1)].total_cmp(&a[i * (size + 1)]));
+    let values = order.iter().map(|&i| a[i * (size + 1)]).collect();
+    (values, order.iter().flat_map(|&i| vectors[i * size..][..size].iter().copied()).collect())
+}
+
+/// Leaves the eigenvalues of a symmetric matrix on its diagonal and returns the eigenvectors, by rotations that take away
+/// one value beside the diagonal after the other (Jacobi 1846).
+fn diagonalise(a: &mut [f64], size: usize) -> Vec<f64> {
     let mut vectors = vec![0.0; size * size];
     (0..size).for_each(|i| vectors[i * (size + 1)] = 1.0);
     for _ in 0..SWEEPS {
@@ -124,8 +144,7 @@ fn largest_of(a: &mut [f64], size: usize) -> Vec<f64> {
             break;
         }
     }
-    let best = (0..size).fold(0, |best, i| if a[i * (size + 1)] > a[best * (size + 1)] { i } else { best });
-    vectors[best * size..][..size].to_vec()
+    vectors
 }
 
 /// The vector with length 1; not numbers where it is zero.
@@ -193,6 +212,21 @@ mod tests {
                     .sum::<f64>()
                     .sqrt();
                 prop_assert!(off <= 1e-4 * largest, "{off}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_eigenvectors_in_order() {
+        let matrix = [2.0, -1.0, 0.0, -1.0, 2.0, -1.0, 0.0, -1.0, 2.0];
+        let (values, vectors) = eigenvectors(&matrix, 3);
+        let root = 2.0f64.sqrt();
+        for (value, known) in values.iter().zip([2.0 + root, 2.0, 2.0 - root]) {
+            assert!((value - known).abs() < 1e-12, "{values:?}");
+        }
+        for (value, vector) in values.iter().zip(vectors.chunks(3)) {
+            for (row, v) in matrix.chunks(3).zip(vector) {
+                assert!((dot(row, vector) - value * v).abs() < 1e-12, "{vectors:?}");
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Jobs from files to files: what reads, measures and writes, within a memory budget.
 
+pub mod amplify;
 pub mod archive;
 mod backbone;
 pub mod layers;

@@ -46,6 +46,7 @@ fn they_run() {
     let verbs = verbs();
     assert!(
         [
+            "amplify",
             "decode",
             "encode",
             "info",

@@ -2,6 +2,7 @@
 
 #![cfg(feature = "program")]
 
+mod amplify;
 mod archive;
 mod archive_failures;
 mod archive_info;

@@ -1,0 +1,187 @@
+//! Steps one after the other, each learned at its own scale.
+
+use super::extend::{extended, extended_mask};
+use super::fill::filled;
+use super::learn::{Lesson, TOO_FEW, learn};
+use super::plane::Plane;
+use super::step::{STEP_FACTORS, STEP_REACH, Step, trimmed_mask};
+use crate::error::{Error, ErrorKind, Result};
+use crate::watch::Watch;
+
+/// The largest factor.
+pub const MOST_FACTOR: usize = 256;
+
+/// Makes planes finer by a factor, with the detail that exemplars have taught.
+#[derive(Clone, Debug)]
+pub struct Cascade {
+    steps: Vec<Step>,
+    /// Steps that were learned at a finer scale than their own.
+    borrowed: usize,
+}
+
+/// The factors of the steps that make up a factor, largest first.
+///
+/// # Errors
+/// A usage error below 2, above [`MOST_FACTOR`], and for factors with prime parts that there are no steps of.
+pub fn steps_of(factor: usize) -> Result<Vec<usize>> {
+    let expected = format!("expected 2 to {MOST_FACTOR}, a product of 2, 3, 5 and 7, such as 2, 3, 4, 8, 10");
+    let mut left = factor;
+    let mut steps = vec![];
+    for part in STEP_FACTORS {
+        while left > 1 && left.is_multiple_of(part) {
+            steps.push(part);
+            left /= part;
+        }
+    }
+    if factor < 2 || factor > MOST_FACTOR || left != 1 {
+        return Err(Error::usage(format!("--factor {factor}: {expected}")));
+    }
+    Ok(steps)
+}
+
+/// An exemplar at the scales of all steps, the coarsest first.
+struct Scales {
+    /// What the step at hand sees: heights that the steps before it have made.
+    seen: Plane,
+    /// True heights before the first step and after each.
+    truths: Vec<(Plane, Vec<bool>)>,
+}
+
+impl Cascade {
+    /// Learns the steps of a factor from terrain (NaN for voids) whose cells are as large as those that are to be made.
+    /// Cells that `is_square` says are not are mirrored but not transposed.
+    ///
+    /// Each step learns from what the steps before it make of the exemplars, which is what it will see. Where the
+    /// exemplars are too small for the coarsest steps, these take what the finer ones have learned: terrain is much the
+    /// same at scales that are not far from each other.
+    ///
+    /// # Errors
+    /// As [`steps_of`]; exemplars in which no step finds enough to learn from; a cancelled job.
+    pub fn learn(exemplars: &[Plane], factor: usize, is_square: bool, seed: u64, watch: &Watch) -> Result<Self> {
+        let factors = steps_of(factor)?;
+        let mut scales: Vec<Scales> = exemplars.iter().map(|exemplar| Scales::of(exemplar, &factors)).collect();
+        watch.begin("learning", factors.len() as u64);
+        let mut found: Vec<Option<Step>> = vec![];
+        for (number, &factor) in factors.iter().enumerate() {
+            let lessons: Vec<Lesson> = scales.iter().map(|scales| scales.lesson(number)).collect();
+            let step = learn(&lessons, factor, is_square, seed, watch)?;
+            drop(lessons);
+            for scales in &mut scales {
+                scales.advance(number, step.as_ref());
+            }
+            found.push(step);
+            watch.advance(1)?;
+        }
+        let borrowed = found.iter().filter(|step| step.is_none()).count();
+        let mut steps = vec![];
+        for (number, &factor) in factors.iter().enumerate() {
+            let later = found[number..].iter().flatten().find(|step| step.factor == factor);
+            steps.push(later.cloned().ok_or_else(too_little)?);
+        }
+        Ok(Self { steps, borrowed })
+    }
+
+    /// How many times finer planes become.
+    pub fn factor(&self) -> usize {
+        self.steps.iter().map(|step| step.factor).product()
+    }
+
+    /// Steps for whose own scale the exemplars were too small.
+    pub fn borrowed_steps(&self) -> usize {
+        self.borrowed
+    }
+
+    /// Cells at each side of a plane that are needed beyond those that are made finer.
+    pub fn reach(&self) -> usize {
+        self.margins()[0]
+    }
+
+    /// Bytes of memory that the steps take.
+    pub fn bytes(&self) -> usize {
+        self.steps.iter().map(|step| step.regressors.len() * size_of::<f32>()).sum()
+    }
+
+    /// Margins before each step and after the last.
+    fn margins(&self) -> Vec<usize> {
+        let mut margins: Vec<usize> = vec![0];
+        for step in self.steps.iter().rev() {
+            let after = margins[margins.len() - 1];
+            margins.push(after.div_ceil(step.factor) + STEP_REACH);
+        }
+        margins.reverse();
+        margins
+    }
+
+    /// The finer plane of all but [`Cascade::reach`] cells at each side. The mean of the fine cells of each cell that
+    /// is `known` is its height, within a 100th of what bicubic enlargement is off.
+    ///
+    /// Each fine cell depends on what lies within the reach alone, and comes out the same however planes are cut.
+    ///
+    /// # Panics
+    /// When there is not one value of `known` a cell, or the plane is not larger than its margins.
+    pub fn amplified(&self, mut plane: Plane, mut known: Vec<bool>) -> Plane {
+        assert_eq!(known.len(), plane.heights_m().len(), "one value a cell");
+        let margins = self.margins();
+        for (number, step) in self.steps.iter().enumerate() {
+            let cols = plane.cols();
+            let fine = step.applied(&plane, &known);
+            let mask = enlarged_mask(&trimmed_mask(&known, cols, STEP_REACH), cols - 2 * STEP_REACH, step.factor);
+            // A margin may be a little wider than the next step needs.
+            let excess = (margins[number] - STEP_REACH) * step.factor - margins[number + 1];
+            known = trimmed_mask(&mask, fine.cols(), excess);
+            plane = fine.trimmed(excess);
+        }
+        plane
+    }
+}
+
+impl Scales {
+    fn of(exemplar: &Plane, factors: &[usize]) -> Self {
+        let all: usize = factors.iter().product();
+        let whole = exemplar.part(0, 0, exemplar.rows() / all * all, exemplar.cols() / all * all);
+        let mut truths = vec![];
+        let mut cell = all;
+        for factor in [1].iter().chain(factors) {
+            cell /= factor;
+            // Means with a void are voids.
+            let averaged = whole.averaged(cell);
+            truths.push(filled(averaged.rows(), averaged.cols(), averaged.heights_m().to_vec()));
+        }
+        Self { seen: truths[0].0.clone(), truths }
+    }
+
+    /// What a step learns from.
+    fn lesson(&self, number: usize) -> Lesson {
+        let (fine, _) = &self.truths[number + 1];
+        Lesson { coarse: self.seen.clone(), fine: fine.clone(), known: self.truths[number].1.clone() }
+    }
+
+    /// Goes on to the next scale: with what the step makes of this one, or with the truth where there is no step.
+    fn advance(&mut self, number: usize, step: Option<&Step>) {
+        let known = &self.truths[number].1;
+        self.seen = match step {
+            Some(step) if !known.is_empty() => {
+                let size = [self.seen.rows(), self.seen.cols()];
+                let margin = STEP_REACH as i64;
+                let wanted = [-margin, -margin, size[0] as i64 + 2 * margin, size[1] as i64 + 2 * margin];
+                let mask = extended_mask(known, size[1], [0, 0], size, wanted);
+                step.applied(&extended(&self.seen, [0, 0], size, wanted), &mask)
+            }
+            _ => self.truths[number + 1].0.clone(),
+        };
+    }
+}
+
+/// A mask of finer cells.
+fn enlarged_mask(mask: &[bool], cols: usize, factor: usize) -> Vec<bool> {
+    let lines = mask.chunks_exact(cols.max(1)).flat_map(|line| std::iter::repeat_n(line, factor));
+    lines.flat_map(|line| line.iter().flat_map(|&known| std::iter::repeat_n(known, factor))).collect()
+}
+
+fn too_little() -> Error {
+    let message = format!(
+        "the exemplars teach nothing: fewer than {TOO_FEW} places with relief and without voids around them; take larger \
+         ones, or ones that are not flat"
+    );
+    Error::new(ErrorKind::Input, message)
+}

@@ -1,0 +1,31 @@
+//! Amplification: finer terrain from a coarse DEM and exemplars (paper 001, section 5.3, and what came after it).
+//!
+//! [`Cascade`] is the accurate way: the best estimate of the true finer heights. Terrain is made finer in steps, by 2
+//! mostly. A step begins with bicubic heights ([`Bicubic`]); patches of the coarse plane say what is to be added, by
+//! regressions that were learned from an exemplar, one for each of many kinds of patch (A+, Timofte et al. 2014); and
+//! [`BackProjection`] sees to it that the means of the fine cells are the coarse heights again.
+//!
+//! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
+//! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
+//! additions, products, divisions and roots decide, in one order: it is the same on every machine, too.
+
+mod anchors;
+mod back_projection;
+mod bicubic;
+mod cascade;
+mod extend;
+mod features;
+mod fill;
+mod learn;
+mod orientation;
+mod plane;
+mod step;
+#[cfg(test)]
+mod tests;
+
+pub use back_projection::BackProjection;
+pub use bicubic::Bicubic;
+pub use cascade::{Cascade, MOST_FACTOR, steps_of};
+pub use extend::{extended, extended_mask};
+pub use fill::{FILL_REACH, filled};
+pub use plane::Plane;

@@ -1,0 +1,123 @@
+//! `orograph amplify`.
+
+use super::progress::watched;
+use super::report::Reporter;
+use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option, unit_of};
+use super::sparse::StoredInput;
+use crate::error::Result;
+use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, run};
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+/// Make a DEM finer, with the detail that terrain like it has.
+///
+/// Exemplars are finer DEMs of other places: what their small forms are like above their large ones is learned, and
+/// added to the input's. The output has so many times the input's rows and columns, on a grid aligned with it, and the
+/// same CRS, unit and voids; the mean of the cells that lie in one of the input's is that cell's elevation. Mode accurate
+/// gives the best estimate of the true heights, which is smoother than terrain. Exemplars may have any unit, CRS and
+/// cells; those with cells of about the size that is to be made teach most.
+#[derive(Args, Clone, Debug)]
+#[command(
+    after_help = "Examples:\n  orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
+                        orograph amplify fixtures/jacksboro.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3 --window 9,9,80,60"
+)]
+pub(super) struct Amplify {
+    /// Elevation model: any raster that GDAL reads, or an .oro file.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// Output: any raster format that GDAL writes, or an .oro file that keeps every bit.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// Elevation models to learn from.
+    #[arg(long = "exemplar", value_name = "DEM", required = true, num_args = 1..)]
+    exemplars: Vec<PathBuf>,
+    /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    factor: usize,
+    /// What the result is to be.
+    #[arg(long, value_enum, default_value_t = Mode::Accurate)]
+    mode: Mode,
+    /// Seed of what is drawn from large exemplars.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    raster: StoredInput,
+    /// GDAL's name of the output's format; after the extension unless given.
+    #[arg(long = "of", value_name = "FORMAT", help_heading = "Output")]
+    format: Option<String>,
+    /// Option of the output's format; may be given several times.
+    #[arg(long = "co", value_name = "KEY=VALUE", help_heading = "Output")]
+    options: Vec<String>,
+    #[command(flatten)]
+    out: OutputOptions,
+    #[command(flatten)]
+    memory: MemoryOptions,
+    #[command(flatten)]
+    pub(super) common: CommonOptions,
+}
+
+/// Words for [`amplify::Mode`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Mode {
+    /// The best estimate of the true heights.
+    Accurate,
+}
+
+impl Amplify {
+    fn meant(&self) -> Result<AmplifyJob> {
+        Ok(AmplifyJob {
+            input: self.input.clone(),
+            raster: self.raster.meant()?,
+            unit: unit_of(self.raster.vertical_unit.as_deref())?,
+            exemplars: self.exemplars.clone(),
+            factor: self.factor,
+            mode: match self.mode {
+                Mode::Accurate => amplify::Mode::Accurate,
+            },
+            seed: self.seed,
+            output: self.output.clone(),
+            overwrite: self.out.overwrite,
+            format: self.format.clone(),
+            options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
+            memory: self.memory.bytes()?,
+        })
+    }
+
+    pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
+        reporter.input(&self.input);
+        self.exemplars.iter().for_each(|path| reporter.input(path));
+        let job = self.meant()?;
+        let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
+        reporter.outputs(&report.outputs);
+        let [learned, made] = report.times.map(|time| time.as_secs_f64());
+        reporter.remark(&format!("learned {learned:.3} s, made and written {made:.3} s"));
+        reporter.say(&text(&report))?;
+        Ok(json(&report))
+    }
+}
+
+fn text(report: &AmplifyReport) -> String {
+    let [rows, cols] = report.size;
+    let [across, down] = report.cell_m.map(|m| (m * 100.0).round() / 100.0);
+    let seconds: f64 = report.times.iter().map(|time| time.as_secs_f64()).sum();
+    let mut text = format!("{cols} x {rows} cells of {across} x {down} m as {}, {seconds:.1} s\n", report.format);
+    text += &format!("means of cells are the input's within {:.4} m\n", report.deviation_m);
+    for output in &report.outputs {
+        text += &format!("written: {}\n", output.display());
+    }
+    text
+}
+
+fn json(report: &AmplifyReport) -> Value {
+    let [learned, made] = report.times.map(|time| time.as_secs_f64());
+    json!({
+        "rows": report.size[0],
+        "cols": report.size[1],
+        "cell_m": { "across": report.cell_m[0], "down": report.cell_m[1] },
+        "cells_with_data": report.cells,
+        "deviation_m": report.deviation_m,
+        "format": report.format,
+        "seconds": { "learn": learned, "make": made },
+    })
+}

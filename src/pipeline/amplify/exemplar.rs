@@ -1,0 +1,79 @@
+//! Exemplars, brought to the cells that are to be made.
+
+use super::cell_size::CellSize;
+use super::likeness::{median_slope, remark};
+use super::resample::coarser;
+use crate::amplify::Plane;
+use crate::error::Result;
+use crate::io::raster::RasterOptions;
+use crate::pipeline::archive::open_dem;
+use crate::pipeline::memory;
+use crate::watch::Watch;
+use std::path::Path;
+
+/// Bytes that an exemplar's cell takes while it is learned from: at all scales, with what steps make of it.
+const BYTES_PER_CELL: u64 = 96;
+
+/// What is to be made of an exemplar.
+pub(super) struct Wanted {
+    /// The cells of the input.
+    pub(super) input: CellSize,
+    /// How many times finer they become.
+    pub(super) factor: usize,
+    /// The input's median slope.
+    pub(super) slope: Option<f64>,
+    /// Bytes of memory that may be used; what is free unless given.
+    pub(super) memory: Option<u64>,
+}
+
+/// Reads an exemplar and gives it the cells that are wanted, in metres. Where these are not square there are two: as it
+/// lies, and with rows as columns.
+///
+/// An exemplar with larger cells than those to be made keeps its own: terrain is much the same at scales that are not
+/// far from each other, and finer cells of it would hold no more detail.
+///
+/// # Errors
+/// When it cannot be read or has no data.
+pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Vec<Plane>> {
+    let source = open_dem(path, &RasterOptions::default(), wanted.memory, watch)?;
+    let needed = source.cells().saturating_mul(BYTES_PER_CELL) + source.unpacked_bytes();
+    memory::admit_or(
+        needed,
+        wanted.memory.unwrap_or_else(memory::free_bytes),
+        "cut the exemplar with gdal_translate -srcwin",
+    )
+    .map_err(|error| error.at_path(path))?;
+    let dem = source.read(watch)?;
+    let mut say = |text: &str| warn(&format!("{}: {text}", path.display()));
+    if let Some(sentinel) = &dem.sentinel {
+        say(&sentinel.to_string());
+    }
+    let (rows, cols) = (dem.grid.rows(), dem.grid.cols());
+    let own = CellSize::of(&dem.transform, dem.crs.as_ref(), rows, cols);
+    let exemplar = Plane::new(rows, cols, dem.heights_m());
+    drop(dem);
+    let made = wanted.input.divided(wanted.factor);
+    let mut excess: f64 = 1.0;
+    let mut fit = |exemplar: Plane, own: CellSize| {
+        let larger = own.excess(made).max(1.0);
+        let target = if own.is_like(made) { made } else { made.times(larger) };
+        excess = excess.max(own.excess(made));
+        match own.is_like(target) {
+            true => exemplar,
+            false => coarser(&exemplar, target.down_m / own.down_m, target.across_m / own.across_m),
+        }
+    };
+    let turned = (!made.is_square()).then(|| fit(exemplar.transposed(), own.transposed()));
+    let upright = fit(exemplar, own);
+    if excess > 1.1 {
+        say(&format!(
+            "its cells of {own} are larger than those of {made} that are made: what is learned from it is detail of its own \
+             size"
+        ));
+    }
+    let slope = median_slope(&upright.averaged(wanted.factor), wanted.input.times(excess.max(1.0)));
+    if let Some(text) = remark(wanted.slope, slope) {
+        say(&text);
+    }
+    Ok([Some(upright), turned].into_iter().flatten().collect())
+}

@@ -1,0 +1,15 @@
+//! The job behind `orograph amplify`: a finer DEM from a coarse one and exemplars.
+//!
+//! `terrain` reads the input window by window, `exemplar` brings exemplars to the cells that are to be made,
+//! `strips` makes the output strip by strip, and `sink` writes it.
+
+mod cell_size;
+mod exemplar;
+mod job;
+mod likeness;
+mod resample;
+mod sink;
+mod strips;
+mod terrain;
+
+pub use job::{AmplifyJob, AmplifyReport, Mode, run};

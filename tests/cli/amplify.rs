@@ -1,0 +1,222 @@
+//! `orograph amplify`: what its files hold, and what it refuses.
+
+use super::rasters::{Raster, facts, terrain};
+use super::{Run, fixture, folder, inside, listing};
+use gdal::Metadata;
+use serde_json::Value;
+use std::fs;
+use tempfile::TempDir;
+
+/// Writes terrain of 30 m cells in metres, and returns its elevations.
+fn dem(
+    dir: &TempDir,
+    name: &str,
+    (cols, rows): (usize, usize),
+    change: impl Fn(&mut Raster<f32>),
+) -> (String, Vec<f32>) {
+    let cells: Vec<f32> = terrain(cols, rows).into_iter().map(|v| (v * 2000.0) as f32).collect();
+    let mut raster = Raster::new((cols, rows), vec![cells]);
+    change(&mut raster);
+    let path = inside(dir, name);
+    raster.write(&path);
+    (path, raster.bands.swap_remove(0))
+}
+
+fn amplify(input: &str, output: &str, exemplar: &str, options: &[&str]) -> Value {
+    Run::done(&[&["amplify", input, output, "--exemplar", exemplar, "--json"], options].concat()).json()
+}
+
+/// Elevations of a raster of single precision.
+fn cells(path: &str) -> ((usize, usize), Vec<f32>) {
+    let found = facts(path);
+    assert_eq!(found.bands[0].kind, "Float32");
+    (found.size, found.bands[0].bits.iter().map(|&bits| f32::from_bits(bits as u32)).collect())
+}
+
+/// The greatest difference between a cell that is not `void` and the mean of its fine cells.
+fn deviation(coarse: &[f32], cols: usize, fine: &[f32], factor: usize, void: Option<f32>) -> f64 {
+    let mut most: f64 = 0.0;
+    for (cell, &height) in coarse.iter().enumerate() {
+        let (row, col) = (cell / cols * factor, cell % cols * factor);
+        let own = (0..factor * factor).map(|i| fine[(row + i / factor) * cols * factor + col + i % factor]);
+        match void == Some(height) {
+            true => assert!(own.clone().all(|fine| fine == height), "a void stays one"),
+            false => {
+                assert!(own.clone().all(|fine| Some(fine) != void), "no other cell becomes one");
+                let mean = own.map(f64::from).sum::<f64>() / (factor * factor) as f64;
+                most = most.max((mean - f64::from(height)).abs());
+            }
+        }
+    }
+    most
+}
+
+#[test]
+fn grids_are_aligned_and_means_kept() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (240, 200), |_| {});
+    let (input, coarse) = dem(&dir, "input.tif", (50, 41), |raster| {
+        raster.more = |dataset| {
+            dataset.rasterband(1).expect("a band").set_description("ground").expect("a description");
+        };
+    });
+    for factor in [2, 3, 4, 8] {
+        let out = inside(&dir, &format!("x{factor}.tif"));
+        let number = factor.to_string();
+        let document = amplify(&input, &out, &exemplar, &["--factor", &number]);
+        let (size, fine) = cells(&out);
+        assert_eq!(size, (50 * factor, 41 * factor));
+        let found = deviation(&coarse, 50, &fine, factor, None);
+        let told = document["result"]["deviation_m"].as_f64().expect("a length");
+        assert!(found <= 0.01 && (found - told).abs() < 1e-6, "factor {factor}: {found} m, {told} m");
+        assert_eq!(document["result"]["cells_with_data"], 50 * 41 * factor * factor);
+        let (before, after) = (facts(&input), facts(&out));
+        let step = 30.0 / factor as f64;
+        let known = [500_000.0, step, 0.0, 5_200_000.0, 0.0, -step].map(f64::to_bits);
+        assert_eq!(after.transform, Some(known));
+        assert_eq!((after.crs, &after.bands[0].description), (before.crs, &before.bands[0].description));
+    }
+}
+
+/// Other threads and less memory mean other tiles and strips.
+#[test]
+fn bytes_depend_on_neither_threads_nor_memory() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
+        raster.nodata = Some(-1.0);
+        let cells = &mut raster.bands[0];
+        // A void that tiles cut through, one at the edge, and single cells.
+        (0..cells.len())
+            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
+            .for_each(|i| cells[i] = -1.0);
+        (0..6).for_each(|i| cells[i] = -1.0);
+        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
+    });
+    let mut known: Option<Vec<u8>> = None;
+    for options in [["-j", "1", "--memory", "4G"], ["-j", "3", "--memory", "4G"], ["-j", "1", "--memory", "180M"]] {
+        let out = inside(&dir, "out.tif");
+        amplify(&input, &out, &exemplar, &[&options[..], &["--overwrite", "--factor", "4"]].concat());
+        let bytes = fs::read(&out).expect("the output");
+        assert!(known.get_or_insert_with(|| bytes.clone()) == &bytes, "{options:?}");
+    }
+    let (size, fine) = cells(&inside(&dir, "out.tif"));
+    assert_eq!(size, (1200, 2080));
+    let found = deviation(&coarse, 300, &fine, 4, Some(-1.0));
+    assert!(found <= 0.01, "{found} m");
+    // A container holds the same cells.
+    let (packed, out) = (inside(&dir, "out.oro"), inside(&dir, "again.tif"));
+    amplify(&input, &packed, &exemplar, &["--factor", "4"]);
+    Run::done(&["decode", &packed, &out]);
+    assert!(cells(&out).1 == fine, "the same cells");
+    Run::done(&["verify", &packed]);
+    // And can be the input and the exemplar.
+    let (stored, from_stored) = (inside(&dir, "input.oro"), inside(&dir, "stored.tif"));
+    Run::done(&["encode", &input, &stored, "--lossless"]);
+    amplify(&stored, &from_stored, &exemplar, &["--factor", "4"]);
+    assert!(cells(&from_stored).1 == fine, "the same cells");
+}
+
+#[test]
+fn parts_feet_and_narrow_rasters() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    for size in [(1, 1), (1, 7), (9, 1), (2, 3)] {
+        let name = format!("{}x{}.tif", size.0, size.1);
+        let (input, coarse) = dem(&dir, &name, size, |_| {});
+        let out = inside(&dir, &format!("fine-{name}"));
+        amplify(&input, &out, &exemplar, &[]);
+        let found = deviation(&coarse, size.0, &cells(&out).1, 4, None);
+        assert!(found <= 0.01, "{name}: {found} m");
+    }
+    let (flat, _) = dem(&dir, "flat.tif", (30, 20), |raster| raster.bands[0].fill(12.5));
+    let out = inside(&dir, "fine-flat.tif");
+    amplify(&flat, &out, &exemplar, &[]);
+    assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
+    // Values keep their unit; a part lies where it lay.
+    let out = inside(&dir, "feet.tif");
+    let feet = fixture("feet.tif");
+    amplify(&feet, &out, &fixture("jacksboro.tif"), &["--factor", "2"]);
+    assert_eq!(facts(&out).bands[0].unit, facts(&feet).bands[0].unit);
+    let (input, coarse) = dem(&dir, "input.tif", (40, 30), |_| {});
+    let out = inside(&dir, "part.tif");
+    amplify(&input, &out, &exemplar, &["--factor", "2", "--window", "5,6,7,8"]);
+    let (size, fine) = cells(&out);
+    let part: Vec<f32> = (0..56).map(|i| coarse[(6 + i / 7) * 40 + 5 + i % 7]).collect();
+    assert_eq!(size, (14, 16));
+    assert!(deviation(&part, 7, &fine, 2, None) <= 0.01);
+    let transform = facts(&out).transform.expect("a place").map(f64::from_bits);
+    assert_eq!(transform, [500_150.0, 15.0, 0.0, 5_199_820.0, 0.0, -15.0]);
+}
+
+/// At 60 degrees north cells of equal degrees are half as wide as high: exemplars get such cells.
+#[test]
+fn longitudes_in_the_north() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (260, 260), |_| {});
+    let step = 1.0 / 900.0;
+    let (input, coarse) = dem(&dir, "input.tif", (60, 50), |raster| {
+        raster.crs = Some("EPSG:4326");
+        raster.transform = Some([10.0, step, 0.0, 60.0, 0.0, -step]);
+    });
+    let out = inside(&dir, "out.tif");
+    let document = amplify(&input, &out, &exemplar, &["--factor", "4"]);
+    let cell = &document["result"]["cell_m"];
+    let [across, down] = ["across", "down"].map(|side| cell[side].as_f64().expect("a length"));
+    assert!((across - 15.5).abs() < 0.1 && (down - 30.95).abs() < 0.1, "{cell}");
+    let found = deviation(&coarse, 60, &cells(&out).1, 4, None);
+    assert!(found <= 0.01, "{found} m");
+    let warnings = document["warnings"].to_string();
+    assert!(warnings.contains("30 m are larger than those of 15.49 x 30.95 m"), "{warnings}");
+}
+
+#[test]
+fn other_kinds_of_terrain_are_told() {
+    let dir = folder();
+    let (exemplar, _) =
+        dem(&dir, "exemplar.tif", (200, 200), |raster| raster.bands[0].iter_mut().for_each(|v| *v /= 50.0));
+    let (input, _) = dem(&dir, "input.tif", (60, 60), |_| {});
+    let document = amplify(&input, &inside(&dir, "out.tif"), &exemplar, &[]);
+    assert!(document["warnings"].to_string().contains("of another kind"), "{}", document["warnings"]);
+}
+
+#[test]
+fn refusals() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (input, _) = dem(&dir, "input.tif", (40, 40), |_| {});
+    let (small, _) = dem(&dir, "small.tif", (20, 20), |_| {});
+    let (flat, _) = dem(&dir, "flat.tif", (200, 200), |raster| raster.bands[0].fill(3.0));
+    let (voids, _) = dem(&dir, "voids.tif", (40, 40), |raster| {
+        raster.bands[0].fill(3.0);
+        raster.nodata = Some(3.0);
+    });
+    let (infinite, _) = dem(&dir, "infinite.tif", (40, 40), |raster| raster.bands[0][85] = f32::INFINITY);
+    let two = inside(&dir, "two.tif");
+    Raster::new((30, 30), vec![vec![1.0f32; 900], vec![2.0; 900]]).write(&two);
+    let out = inside(&dir, "out.tif");
+    let before = listing(dir.path());
+    for (input, exemplar, options, code, words) in [
+        (&input, &small, &[][..], 3, "small.tif: the exemplars teach nothing"),
+        (&input, &flat, &[], 3, "flat.tif: the exemplars teach nothing"),
+        (&input, &voids, &[], 3, "voids.tif: all 1600 cells are nodata"),
+        (&input, &inside(&dir, "absent.tif"), &[], 3, "absent.tif: no such file"),
+        (&inside(&dir, "absent.tif"), &exemplar, &[], 3, "absent.tif: no such file"),
+        (&voids, &exemplar, &[], 3, "voids.tif: all 1600 cells are nodata"),
+        (&infinite, &exemplar, &[], 3, "infinite.tif: row 2, column 5: an infinite elevation"),
+        (&two, &exemplar, &[], 2, "two.tif: 2 bands, and one is made finer"),
+        (&input, &exemplar, &["--factor", "11"], 2, "--factor 11: expected 2 to 256"),
+        (&input, &exemplar, &["--factor", "1"], 2, "--factor 1: expected 2 to 256"),
+        (&input, &exemplar, &["--vertical-unit", "parsecs"], 2, "parsecs"),
+        (&input, &exemplar, &["--mode", "fast"], 2, "accurate"),
+        (&input, &exemplar, &["--memory", "1M"], 3, "raise --memory"),
+        (&input, &exemplar, &["--of", "nonsense"], 2, "no such format"),
+    ] {
+        let run = Run::new(&[&["amplify", input, &out, "--exemplar", exemplar], options].concat());
+        run.expect(code, words);
+        run.check(listing(dir.path()) == before, "the folder as it was");
+    }
+    Run::new(&["amplify", &input, &out]).expect(2, "--exemplar");
+    Run::new(&["amplify", &input, &small, "--exemplar", &exemplar]).expect(4, "--overwrite");
+    Run::new(&["amplify", &input, &inside(&dir, "out.xyzzy"), "--exemplar", &exemplar]).expect(2, "--of");
+}
