@@ -2,11 +2,12 @@
 
 use super::extend::{extended, extended_mask};
 use super::fill::filled;
-use super::learn::{Lesson, TOO_FEW, learn};
+use super::learn::{Lesson, Lessons, TOO_FEW, learn};
 use super::plane::Plane;
 use super::step::{STEP_FACTORS, STEP_REACH, Step, trimmed_mask};
 use crate::error::{Error, ErrorKind, Result};
 use crate::watch::Watch;
+use rayon::prelude::*;
 
 /// The largest factor.
 pub const MOST_FACTOR: usize = 256;
@@ -39,12 +40,22 @@ pub fn steps_of(factor: usize) -> Result<Vec<usize>> {
     Ok(steps)
 }
 
-/// An exemplar at the scales of all steps, the coarsest first.
-struct Scales {
+/// Where the coarse cells of an exemplar are laid, in parts of a coarse cell: down and across. One terrain is as many
+/// lessons.
+const SHIFTS: [(f64, f64); 8] =
+    [(0.0, 0.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0), (0.25, 0.25), (0.75, 0.75), (0.25, 0.75), (0.75, 0.25)];
+/// Cells of all exemplars, each counted as often as it is shifted, beyond which there are fewer shifts.
+const MOST_CELLS: usize = 1 << 24;
+
+/// An exemplar with its coarse cells laid in one way.
+struct Scales<'a> {
+    exemplar: &'a Plane,
+    corner: [usize; 2],
+    /// Rows and columns of the coarsest cells.
+    size: [usize; 2],
+    factors: &'a [usize],
     /// What the step at hand sees: heights that the steps before it have made.
     seen: Plane,
-    /// True heights before the first step and after each.
-    truths: Vec<(Plane, Vec<bool>)>,
 }
 
 impl Cascade {
@@ -59,15 +70,14 @@ impl Cascade {
     /// As [`steps_of`]; exemplars in which no step finds enough to learn from; a cancelled job.
     pub fn learn(exemplars: &[Plane], factor: usize, is_square: bool, seed: u64, watch: &Watch) -> Result<Self> {
         let factors = steps_of(factor)?;
-        let mut scales: Vec<Scales> = exemplars.iter().map(|exemplar| Scales::of(exemplar, &factors)).collect();
+        let mut scales = shifted(exemplars, &factors);
         watch.begin("learning", factors.len() as u64);
         let mut found: Vec<Option<Step>> = vec![];
         for (number, &factor) in factors.iter().enumerate() {
-            let lessons: Vec<Lesson> = scales.iter().map(|scales| scales.lesson(number)).collect();
-            let step = learn(&lessons, factor, is_square, seed, watch)?;
-            drop(lessons);
-            for scales in &mut scales {
-                scales.advance(number, step.as_ref());
+            let make = |lesson: usize| scales[lesson].lesson(number);
+            let step = learn(&Lessons { count: scales.len(), make: &make }, factor, is_square, seed, watch)?;
+            if number + 1 < factors.len() {
+                scales.par_iter_mut().for_each(|scales| scales.advance(number, step.as_ref()));
             }
             found.push(step);
             watch.advance(1)?;
@@ -135,39 +145,62 @@ impl Cascade {
     }
 }
 
-impl Scales {
-    fn of(exemplar: &Plane, factors: &[usize]) -> Self {
-        let all: usize = factors.iter().product();
-        let whole = exemplar.part(0, 0, exemplar.rows() / all * all, exemplar.cols() / all * all);
-        let mut truths = vec![];
-        let mut cell = all;
-        for factor in [1].iter().chain(factors) {
-            cell /= factor;
-            // Means with a void are voids.
-            let averaged = whole.averaged(cell);
-            truths.push(filled(averaged.rows(), averaged.cols(), averaged.heights_m().to_vec()));
+/// All exemplars in all ways.
+fn shifted<'a>(exemplars: &'a [Plane], factors: &'a [usize]) -> Vec<Scales<'a>> {
+    let factor: usize = factors.iter().product();
+    let cells: usize = exemplars.iter().map(|exemplar| exemplar.heights_m().len()).sum();
+    let most = (MOST_CELLS / cells.max(1)).clamp(1, SHIFTS.len());
+    let mut corners: Vec<[usize; 2]> = vec![];
+    for (down, across) in &SHIFTS[..most] {
+        let corner = [down, across].map(|part| (part * factor as f64) as usize);
+        if !corners.contains(&corner) {
+            corners.push(corner);
         }
-        Self { seen: truths[0].0.clone(), truths }
+    }
+    let each = |exemplar: &'a Plane| corners.iter().map(move |&corner| Scales::of(exemplar, corner, factors));
+    exemplars.iter().flat_map(each).collect()
+}
+
+impl<'a> Scales<'a> {
+    fn of(exemplar: &'a Plane, corner: [usize; 2], factors: &'a [usize]) -> Self {
+        let factor: usize = factors.iter().product();
+        let left = |side: usize, corner: usize| side.saturating_sub(corner) / factor;
+        let size = [left(exemplar.rows(), corner[0]), left(exemplar.cols(), corner[1])];
+        let none = Plane::new(0, 0, vec![]);
+        let mut scales = Self { exemplar, corner, size, factors, seen: none };
+        scales.seen = scales.truth(0).0;
+        scales
+    }
+
+    /// True heights after so many steps, and which are known: means with a void are voids.
+    fn truth(&self, steps: usize) -> (Plane, Vec<bool>) {
+        let all: usize = self.factors.iter().product();
+        let [rows, cols] = self.size.map(|side| side * all);
+        if rows == 0 || cols == 0 {
+            return (Plane::new(0, 0, vec![]), vec![]);
+        }
+        let cell: usize = self.factors[steps..].iter().product();
+        let averaged = self.exemplar.part(self.corner[0], self.corner[1], rows, cols).averaged(cell);
+        filled(averaged.rows(), averaged.cols(), averaged.heights_m().to_vec())
     }
 
     /// What a step learns from.
     fn lesson(&self, number: usize) -> Lesson {
-        let (fine, _) = &self.truths[number + 1];
-        Lesson { coarse: self.seen.clone(), fine: fine.clone(), known: self.truths[number].1.clone() }
+        Lesson { coarse: self.seen.clone(), fine: self.truth(number + 1).0, known: self.truth(number).1 }
     }
 
     /// Goes on to the next scale: with what the step makes of this one, or with the truth where there is no step.
     fn advance(&mut self, number: usize, step: Option<&Step>) {
-        let known = &self.truths[number].1;
+        let (_, known) = self.truth(number);
         self.seen = match step {
             Some(step) if !known.is_empty() => {
                 let size = [self.seen.rows(), self.seen.cols()];
                 let margin = STEP_REACH as i64;
                 let wanted = [-margin, -margin, size[0] as i64 + 2 * margin, size[1] as i64 + 2 * margin];
-                let mask = extended_mask(known, size[1], [0, 0], size, wanted);
+                let mask = extended_mask(&known, size[1], [0, 0], size, wanted);
                 step.applied(&extended(&self.seen, [0, 0], size, wanted), &mask)
             }
-            _ => self.truths[number + 1].0.clone(),
+            _ => self.truth(number + 1).0,
         };
     }
 }

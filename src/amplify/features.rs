@@ -6,7 +6,7 @@ use crate::linalg::{Gram, eigenvectors};
 use rayon::prelude::*;
 
 /// Cells of a patch at each side of its middle.
-pub(super) const RADIUS: usize = 2;
+pub(super) const RADIUS: usize = 3;
 /// Side of a patch.
 pub(super) const SIDE: usize = 2 * RADIUS + 1;
 /// Heights of a patch but the middle one.

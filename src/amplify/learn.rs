@@ -15,14 +15,14 @@ use crate::watch::Watch;
 use rayon::prelude::*;
 
 /// Coarse cells at an exemplar's edges in which no patch has its middle.
-const BORDER: usize = 4;
+const BORDER: usize = 5;
 /// Patches that are learned from at most, and values of them.
 const MOST_PATCHES: usize = 1 << 19;
 const MOST_VALUES: usize = 1 << 25;
 /// Patches that are too few to learn from.
 pub(super) const TOO_FEW: usize = 500;
 /// The least patches, of the nearest anchors, that an anchor's regression is learned from.
-const POOL: u64 = 2048;
+const POOL: u64 = 4096;
 /// What is added to the diagonal of the regression's matrix, in parts of its mean.
 const RIDGE: f64 = 1e-3;
 /// Patches without more relief than this, in metres, teach nothing.
@@ -46,13 +46,21 @@ struct Samples {
     cells: usize,
 }
 
+/// Where lessons come from, one at a time, so that not all of them take memory at once.
+pub(super) struct Lessons<'a> {
+    /// How many there are.
+    pub(super) count: usize,
+    /// Makes one of them.
+    pub(super) make: &'a dyn Fn(usize) -> Lesson,
+}
+
 /// Learns a step; nothing where there are too few patches with any relief. Equal seeds give equal steps, with any
 /// number of threads.
 ///
 /// # Errors
 /// When the job is cancelled.
 pub(super) fn learn(
-    lessons: &[Lesson],
+    lessons: &Lessons<'_>,
     factor: usize,
     is_square: bool,
     seed: u64,
@@ -86,44 +94,68 @@ impl Samples {
     }
 
     /// Patches of all lessons, drawn where there are too many.
-    fn draw(lessons: &[Lesson], factor: usize, is_square: bool, seed: u64) -> Self {
+    fn draw(lessons: &Lessons<'_>, factor: usize, is_square: bool, seed: u64) -> Self {
         let side = detail_side(factor);
         let cells = side * side;
-        let mut places: Vec<(usize, usize, usize)> = vec![];
-        for (number, lesson) in lessons.iter().enumerate() {
-            places.extend(lesson.places().map(|(row, col)| (number, row, col)));
+        let mut places: Vec<Place> = vec![];
+        for number in 0..lessons.count {
+            let at = |(row, col): (usize, usize)| Place { number: number as u32, row: row as u32, col: col as u32 };
+            places.extend((lessons.make)(number).places().map(at));
         }
-        let most = MOST_PATCHES.min(MOST_VALUES / cells);
         // No order is left that anchors could begin from.
         Rng::new(seed).shuffle(&mut places);
-        places.truncate(most);
-        let residuals: Vec<Plane> = lessons.iter().map(|lesson| lesson.residual(factor)).collect();
-        let takers: Vec<Patches<'_>> = lessons.iter().map(|lesson| Patches::new(&lesson.coarse, is_square)).collect();
+        places.truncate(MOST_PATCHES.min(MOST_VALUES / cells));
+        let mut samples =
+            Self { patches: vec![0.0; places.len() * INPUTS], details: vec![0.0; places.len() * cells], cells };
         let ways = Ways::new(side);
-        let offsets: Vec<_> = residuals.iter().map(|residual| ways.offsets(residual.cols())).collect();
-        let take = |&(number, row, col): &(usize, usize, usize)| {
-            let mut patch = [0.0; INPUTS];
-            let way = takers[number].take(row, col, &mut patch);
-            if patch.iter().all(|height| height.abs() < FLAT_M) {
-                return None;
-            }
-            let residual = &residuals[number];
-            // The residual begins with the coarse cells after the margin.
-            let corner = (row - HALF - MARGIN) * factor * residual.cols() + (col - HALF - MARGIN) * factor;
-            let square = &residual.heights_m()[corner..];
-            let detail: Vec<f32> = offsets[number].of(way).iter().map(|&cell| square[cell] as f32).collect();
-            Some((patch, detail))
-        };
-        let mut samples = Self { patches: vec![], details: vec![], cells };
-        for block in places.chunks(1 << 14) {
-            let found: Vec<_> = block.par_iter().filter_map(take).collect();
-            for (patch, detail) in found {
-                samples.patches.extend(patch);
-                samples.details.extend(detail);
-            }
+        for number in 0..lessons.count {
+            let lesson = (lessons.make)(number);
+            let residual = lesson.residual(factor);
+            let patches = Patches::new(&lesson.coarse, is_square);
+            let offsets = ways.offsets(residual.cols());
+            let all = places
+                .par_iter()
+                .zip(samples.patches.par_chunks_mut(INPUTS))
+                .zip(samples.details.par_chunks_mut(cells));
+            all.filter(|((place, _), _)| place.number as usize == number).for_each(|((place, patch), detail)| {
+                let (row, col) = (place.row as usize, place.col as usize);
+                let mut own = [0.0; INPUTS];
+                let way = patches.take(row, col, &mut own);
+                patch.copy_from_slice(&own);
+                // The residual begins with the coarse cells after the margin.
+                let corner = (row - HALF - MARGIN) * factor * residual.cols() + (col - HALF - MARGIN) * factor;
+                let square = &residual.heights_m()[corner..];
+                detail.iter_mut().zip(offsets.of(way)).for_each(|(height, &cell)| *height = square[cell] as f32);
+            });
         }
+        samples.drop_flat();
         samples
     }
+
+    /// Leaves patches out that have no relief.
+    fn drop_flat(&mut self) {
+        let cells = self.cells;
+        let mut kept = 0;
+        for sample in 0..self.len() {
+            let patch = sample * INPUTS..(sample + 1) * INPUTS;
+            if self.patches[patch.clone()].iter().any(|height| height.abs() >= FLAT_M) {
+                self.patches.copy_within(patch, kept * INPUTS);
+                self.details.copy_within(sample * cells..(sample + 1) * cells, kept * cells);
+                kept += 1;
+            }
+        }
+        self.patches.truncate(kept * INPUTS);
+        self.details.truncate(kept * cells);
+    }
+}
+
+/// The middle of a patch.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// Number of the lesson.
+    number: u32,
+    row: u32,
+    col: u32,
 }
 
 impl Lesson {
@@ -165,18 +197,19 @@ struct Normal {
 }
 
 impl Normal {
-    /// Of some samples. All count alike, whatever their relief: features and heights are divided by the features'
-    /// length.
+    /// Of some samples. Squares of their errors count by one over the features' length: between a count by relief, which
+    /// the steepest would rule, and one that is blind to it.
     fn of(own: &[usize], features: &[[f32; DIMS]], samples: &Samples) -> Self {
         let cells = samples.cells;
         let mut normal = Self { count: own.len() as u64, gram: Gram::new(DIMS), cross: vec![0.0; DIMS * cells] };
         for &sample in own {
             let z = features[sample].map(f64::from);
             let length = z.iter().map(|v| v * v).sum::<f64>().sqrt().max(1e-30);
-            let z = z.map(|v| v / length);
+            let root = length.sqrt();
+            let z = z.map(|v| v / root);
             normal.gram.add(&z);
             let detail = &samples.details[sample * cells..][..cells];
-            let heights: Vec<f64> = detail.iter().map(|&height| f64::from(height) / length).collect();
+            let heights: Vec<f64> = detail.iter().map(|&height| f64::from(height) / root).collect();
             for (sums, feature) in normal.cross.chunks_exact_mut(cells).zip(z) {
                 sums.iter_mut().zip(&heights).for_each(|(sum, height)| *sum += feature * height);
             }

@@ -99,8 +99,9 @@ mod tests {
             offsets.of(Way::of(plane, 2, 2, true)).iter().map(|&cell| plane.heights_m()[cell]).collect()
         };
         let known = standing(&plane);
-        let rise = |k: usize| (0..3).map(|i| known[(1 + i) * 5 + 3] - known[(1 + i) * 5 + 1]).sum::<f64>() * k as f64;
-        assert!(rise(1) >= 0.0, "{known:?}");
+        let rise = (1..4).map(|i| known[i * 5 + 3] - known[i * 5 + 1]).sum::<f64>();
+        let fall = (1..4).map(|i| known[15 + i] - known[5 + i]).sum::<f64>();
+        assert!(rise >= fall && fall >= 0.0, "{known:?}");
         for way in 0..WAYS {
             assert_eq!(standing(&turned(&plane, way)), known, "way {way}");
             // The table is the turn.

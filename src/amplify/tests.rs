@@ -4,7 +4,7 @@ use super::anchors::BRANCHES;
 use super::back_projection::CORRECTION_MARGIN;
 use super::extend::{extended, extended_mask};
 use super::features::{DIMS, INPUTS, Patches, RADIUS, SIDE};
-use super::learn::{Lesson, learn};
+use super::learn::{Lesson, Lessons, learn};
 use super::step::{STEP_REACH, Step};
 use super::{BackProjection, Bicubic, Cascade, Plane};
 use crate::rng::Rng;
@@ -41,9 +41,13 @@ fn amplified(cascade: &Cascade, plane: &Plane) -> Plane {
 }
 
 fn step(factor: usize, is_square: bool, fine: &Plane) -> Step {
-    let coarse = fine.averaged(factor);
+    taught(&fine.averaged(factor), fine, factor, is_square)
+}
+
+fn taught(coarse: &Plane, fine: &Plane, factor: usize, is_square: bool) -> Step {
     let known = vec![true; coarse.heights_m().len()];
-    let lessons = [Lesson { fine: fine.clone(), coarse, known }];
+    let make = |_: usize| Lesson { fine: fine.clone(), coarse: coarse.clone(), known: known.clone() };
+    let lessons = Lessons { count: 1, make: &make };
     learn(&lessons, factor, is_square, 1, &Watch::default()).unwrap().expect("enough to learn from")
 }
 
@@ -65,15 +69,16 @@ fn turned(side: usize, mirror_cols: bool, mirror_rows: bool, transpose: bool) ->
 /// A step by its definition: all sums in double precision, cell by cell.
 fn slowly(step: &Step, coarse: &Plane) -> Plane {
     let (factor, side) = (step.factor, 3 * step.factor);
-    let base = Bicubic::new(factor).enlarged(coarse).trimmed(factor);
     let margin = RADIUS + 1;
+    let base = Bicubic::new(factor).enlarged(coarse).trimmed((margin - 2) * factor);
     let mut sums = vec![0.0; base.heights_m().len()];
     for row in RADIUS..coarse.rows() - RADIUS {
         for col in RADIUS..coarse.cols() - RADIUS {
             let at = |r: usize, c: usize| coarse.row(row + r - RADIUS)[col + c - RADIUS];
-            let rise = |k: usize| (1..4).map(|i| at(i, 3) - at(i, 1)).sum::<f64>() * k as f64;
-            let fall = (1..4).map(|i| at(3, i) - at(1, i)).sum::<f64>();
-            let ways = (rise(1) < 0.0, fall < 0.0, step.is_square && fall.abs() > rise(1).abs());
+            let near = RADIUS - 1..RADIUS + 2;
+            let rise = near.clone().map(|i| at(i, RADIUS + 1) - at(i, RADIUS - 1)).sum::<f64>();
+            let fall = near.map(|i| at(RADIUS + 1, i) - at(RADIUS - 1, i)).sum::<f64>();
+            let ways = (rise < 0.0, fall < 0.0, step.is_square && fall.abs() > rise.abs());
             let cells = turned(SIDE, ways.0, ways.1, ways.2);
             let patch: Vec<f64> = cells
                 .iter()
@@ -116,7 +121,7 @@ fn slowly(step: &Step, coarse: &Plane) -> Plane {
 
 #[test]
 fn steps_are_what_they_are_defined_to_be() {
-    let fine = hills(120, 120, 3);
+    let fine = hills(180, 180, 3);
     for (factor, is_square) in [(2, true), (2, false), (3, true), (5, true)] {
         let step = step(factor, is_square, &fine);
         let (coarse, known) = whole(&hills(9, 12, 8), STEP_REACH);
@@ -144,9 +149,7 @@ fn a_linear_law_is_learned() {
             fine.heights_mut()[row * cols + col] += 0.3 * (around / 4.0 - coarse.row(r)[c]);
         }
     }
-    let known = vec![true; coarse.heights_m().len()];
-    let lessons = [Lesson { coarse: coarse.clone(), fine: fine.clone(), known }];
-    let step = learn(&lessons, factor, true, 1, &Watch::default()).unwrap().expect("enough");
+    let step = taught(&coarse, &fine, factor, true);
     // Without the correction, which knows nothing of the law.
     let patches = Patches::new(&coarse, true);
     let mut patch = [0.0; INPUTS];
@@ -199,11 +202,11 @@ fn turned_terrain_becomes_turned_finer_terrain() {
 
 #[test]
 fn means_are_kept_at_all_factors() {
-    let exemplar = hills(192, 180, 2);
+    let exemplar = hills(260, 250, 2);
     for factor in [2, 3, 4, 6, 7, 8, 10, 32] {
         let cascade = Cascade::learn(std::slice::from_ref(&exemplar), factor, true, 1, &Watch::default()).unwrap();
         assert_eq!(cascade.factor(), factor);
-        assert_eq!(cascade.borrowed_steps() > 0, factor > 10, "{factor}: 192 cells hold few of so many");
+        assert_eq!(cascade.borrowed_steps() > 0, factor > 10, "{factor}: 250 cells hold few of so many");
         for (rows, cols) in [(1, 1), (1, 9), (12, 10)] {
             let plane = hills(rows, cols, 4);
             let fine = amplified(&cascade, &plane);
@@ -224,7 +227,7 @@ fn more_is_known_than_bicubic_does() {
     let error =
         |plane: &Plane| -> f64 { plane.heights_m().iter().zip(truth.heights_m()).map(|(a, b)| (a - b).powi(2)).sum() };
     let (found, known) = (error(&amplified(&cascade, &coarse)), error(&bicubic));
-    assert!(found < 0.8 * known, "{found} and {known}");
+    assert!(found < 0.9 * known, "{found} and {known}");
 }
 
 #[test]
