@@ -20,7 +20,7 @@ pub(super) const CORRECTION_MARGIN: usize = REACH + MARGIN;
 
 /// Corrects fine planes.
 #[derive(Clone, Debug)]
-pub struct BackProjection {
+pub(super) struct BackProjection {
     bicubic: Bicubic,
     /// Half of the inverse's taps, from the middle one.
     inverse: [f64; REACH + 1],
@@ -28,7 +28,7 @@ pub struct BackProjection {
 
 impl BackProjection {
     /// For a factor.
-    pub fn new(factor: usize) -> Self {
+    pub(super) fn new(factor: usize) -> Self {
         let bicubic = Bicubic::new(factor);
         let filter = bicubic.there_and_back();
         let (mut sum, mut left) = (vec![0.0; 2 * ROOM + 5], vec![0.0; 2 * ROOM + 5]);

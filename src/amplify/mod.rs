@@ -3,7 +3,7 @@
 //! [`Cascade`] is the accurate way: the best estimate of the true finer heights. Terrain is made finer in steps, by 2
 //! mostly. A step begins with bicubic heights ([`Bicubic`]); patches of the coarse plane say what is to be added, by
 //! regressions that were learned from an exemplar, one for each of many kinds of patch (A+, Timofte et al. 2014); and
-//! [`BackProjection`] sees to it that the means of the fine cells are the coarse heights again.
+//! back-projection sees to it that the means of the fine cells are the coarse heights again.
 //!
 //! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
 //! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
@@ -23,7 +23,6 @@ mod step;
 #[cfg(test)]
 mod tests;
 
-pub use back_projection::BackProjection;
 pub use bicubic::Bicubic;
 pub use cascade::{Cascade, MOST_FACTOR, steps_of};
 pub use extend::{extended, extended_mask};

@@ -1,12 +1,12 @@
 //! Slow and plain versions of what steps do, in double precision; and what has to hold of all of it.
 
 use super::anchors::BRANCHES;
-use super::back_projection::CORRECTION_MARGIN;
+use super::back_projection::{BackProjection, CORRECTION_MARGIN};
 use super::extend::{extended, extended_mask};
 use super::features::{DIMS, INPUTS, Patches, RADIUS, SIDE};
 use super::learn::{Lesson, Lessons, learn};
 use super::step::{STEP_REACH, Step};
-use super::{BackProjection, Bicubic, Cascade, Plane};
+use super::{Bicubic, Cascade, Plane};
 use crate::rng::Rng;
 use crate::watch::Watch;
 

@@ -167,7 +167,7 @@ fn longitudes_in_the_north() {
     let found = deviation(&coarse, 60, &cells(&out).1, 4, None);
     assert!(found <= 0.01, "{found} m");
     let warnings = document["warnings"].to_string();
-    assert!(warnings.contains("30 m are larger than those of 15.49 x 30.95 m"), "{warnings}");
+    assert!(warnings.contains("cells of 30.00 m are larger than those of 15."), "{warnings}");
 }
 
 #[test]

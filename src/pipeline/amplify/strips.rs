@@ -101,12 +101,17 @@ impl Making<'_> {
             kept: self.cascade.bytes() as u64 + 2 * reach as u64 * cols as u64 * 8 / factor as u64,
         };
         let tile = (TILE / factor).max(1);
-        let budget = batch_budget(self.memory, &needs(unit.min(tile) * factor), REMEDY)?;
-        let most = (budget / row_bytes.max(1)) as usize / unit * unit;
+        // Tiles as high as the lowest strip where there is no room for more.
+        let lowest = unit.min(tile);
+        let (high, budget) = match batch_budget(self.memory, &needs(tile * factor), REMEDY) {
+            Ok(budget) => (tile, budget),
+            Err(_) => (lowest, batch_budget(self.memory, &needs(lowest * factor), REMEDY)?),
+        };
+        let most = usize::try_from(budget / row_bytes.max(1)).unwrap_or(usize::MAX) / unit * unit;
         let strip = most.min(MOST_TILE_ROWS * tile.div_ceil(unit) * unit).max(unit);
         // Enough tiles for all threads, where the raster is small.
         let threads = rayon::current_num_threads();
-        let mut tile = [tile.min(strip), tile];
+        let mut tile = [high.min(strip), tile];
         while tile[0].max(tile[1]) * factor > TILE / 4
             && strip.min(rows).div_ceil(tile[0]) * cols.div_ceil(tile[1]) < 4 * threads
         {
