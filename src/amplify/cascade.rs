@@ -34,7 +34,7 @@ pub fn steps_of(factor: usize) -> Result<Vec<usize>> {
             left /= part;
         }
     }
-    if factor < 2 || factor > MOST_FACTOR || left != 1 {
+    if !(2..=MOST_FACTOR).contains(&factor) || left != 1 {
         return Err(Error::usage(format!("--factor {factor}: {expected}")));
     }
     Ok(steps)
