@@ -23,7 +23,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
     orograph synthesize tree.gpkg --tree-only --like fixtures/jacksboro.tif --seed 1\n  \
-    orograph synthesize hills.gpkg --tree-only --like fixtures/jacksboro.tif --crs EPSG:32617 --bbox 500000,4000000,530000,4020000")]
+    orograph synthesize more.gpkg --tree-only --like tree.gpkg --peaks 300 --seed 2")]
 pub(super) struct Synthesize {
     /// Output: .gpkg, .csv, .geojson or .fgb.
     #[arg(value_name = "OUT")]
