@@ -18,10 +18,9 @@ use std::path::PathBuf;
 /// gives the best estimate of the true heights, which is smoother than terrain. Exemplars may have any unit, CRS and
 /// cells; those with cells of about the size that is to be made teach most.
 #[derive(Args, Clone, Debug)]
-#[command(
-    after_help = "Examples:\n  orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
-                        orograph amplify fixtures/jacksboro.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3 --window 9,9,80,60"
-)]
+#[command(after_help = "Examples:\n  \
+                        orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
+                        orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "IN")]
