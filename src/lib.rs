@@ -10,7 +10,7 @@
 //! 5  pipeline                              jobs from files to files: memory, layers, tags, archives
 //! 4  figures  oro                          what the methods measured, as charts; the .oro container
 //! 3  orometry  dictionary  construction    the methods
-//!    amplify  erosion  synthesis  tin      the methods
+//!    amplify  erosion  synthesis  tin
 //!    plot                                  pictures that know no methods
 //! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid  crs                             rasters in memory; where they lie on Earth

@@ -155,8 +155,9 @@ fn a_picture_of_several_packets_agrees_with_small_steps() {
 fn crests_are_not_jumped_over() {
     // Walls as narrow as their slopes allow, a cell each way, at all distances from one another, on a plain.
     let cols = 80;
-    let height =
-        |row: usize, col: usize| if (3 * row + 7 * col) % 23 == 0 || (row * row + col) % 31 == 0 { 2.0 } else { 0.0 };
+    let is_wall =
+        |row: usize, col: usize| (3 * row + 7 * col).is_multiple_of(23) || (row * row + col).is_multiple_of(31);
+    let height = |row: usize, col: usize| if is_wall(row, col) { 2.0 } else { 0.0 };
     let heights_m = (0..cols * cols).map(|i| height(i / cols, i % cols)).collect();
     let mapping = MappingSpec::Box([-40.0, -40.0], [40.0, 40.0]);
     let tree = Spec::Image(ImageSpec { cols, heights_m, weights: None, bicubic: false, fade: 0.0, mapping })
