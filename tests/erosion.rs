@@ -1,5 +1,7 @@
 //! Drainage and erosion against slow, obvious references.
 
+#![cfg(feature = "program")]
+
 use orograph::erosion::{Anchors, Drainage, Relief, incise, slide};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
