@@ -35,12 +35,12 @@ pub(super) struct PrunedEdge<K> {
 }
 
 /// Height of a peak's key above a saddle's, or above the base level where that is higher, in metres.
+///
+/// It never grows as the saddle rises, not even by rounding: the lesser of the two heights counts, so the one above the
+/// base level, which is rounded otherwise, ends where the saddle reaches that level.
 pub(super) fn prominence_m<K: Key>(elevations: &Elevations, base_level_m: Option<f64>, peak: K, saddle: K) -> f64 {
     let above_saddle = elevations.height_m(peak.to_i64(), saddle.to_i64());
-    match base_level_m {
-        Some(base) if elevations.elevation_m(saddle.to_i64()) < base => elevations.elevation_m(peak.to_i64()) - base,
-        _ => above_saddle,
-    }
+    base_level_m.map_or(above_saddle, |base| above_saddle.min(elevations.elevation_m(peak.to_i64()) - base))
 }
 
 /// Prunes a forest at `threshold_m`: peaks of a lower prominence are taken into the group of the topmost peak that
@@ -157,5 +157,26 @@ fn find_parents<K: Key>(peaks: &mut [PrunedPeak<K>]) {
             (from, at) = (at, next);
         }
         component[ended as usize] = island_parent;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::SampleType;
+    use crate::units::LengthUnit;
+
+    #[test]
+    fn prominence_does_not_grow_as_the_saddle_rises_to_the_base_level() {
+        let feet = LengthUnit { name: "ft".into(), metres: 0.3048 };
+        let elevations = Elevations { unit: feet, ..Elevations::metres(SampleType::I16) };
+        for peak in 0..200_i16 {
+            for base in 0..=peak {
+                let base_m = elevations.elevation_m(base.into());
+                let at = |saddle: i16| prominence_m(&elevations, Some(base_m), peak, saddle);
+                assert!(at(base - 1) >= at(base) && at(base) >= at(base + 1), "{peak} ft above {base} ft");
+                assert!((at(base) - f64::from(peak - base) * 0.3048).abs() < 1e-12);
+            }
+        }
     }
 }

@@ -250,12 +250,10 @@ fn measure(
     ends: &BTreeMap<Cell, Cell>,
     base_level_m: Option<f64>,
 ) -> BTreeMap<Cell, Measured> {
-    // Height of a peak above a cell, or above the base level where the cell lies below that.
-    let above = |peak: Cell, cell: Cell| match base_level_m {
-        Some(base_m) if elevations.elevation_m(raster.key(cell)) < base_m => {
-            elevations.elevation_m(raster.key(peak)) - base_m
-        }
-        _ => elevations.height_m(raster.key(peak), raster.key(cell)),
+    // h(P) - max(h(s), B), the lesser of two differences that are rounded each in its own way.
+    let above = |peak: Cell, cell: Cell| {
+        let above_cell = elevations.height_m(raster.key(peak), raster.key(cell));
+        base_level_m.map_or(above_cell, |base_m| above_cell.min(elevations.elevation_m(raster.key(peak)) - base_m))
     };
     let join_of: BTreeMap<Cell, usize> = sweep.joins.iter().enumerate().map(|(i, join)| (join.ended, i)).collect();
     assert_eq!(join_of.len(), sweep.joins.len(), "a peak ends once");
