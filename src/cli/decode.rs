@@ -106,11 +106,7 @@ fn text(report: &DecodeReport) -> String {
     let (cols, rows, bands) = report.size;
     let several = if bands > 1 { format!(" in {bands} bands") } else { String::new() };
     let seconds = report.time.as_secs_f64();
-    let mut text = format!("{cols} x {rows} cells{several} as {}, {seconds:.1} s\n", report.format);
-    for output in &report.outputs {
-        text += &format!("written: {}\n", output.display());
-    }
-    text
+    format!("{cols} x {rows} cells{several} as {}, {seconds:.1} s\n", report.format)
 }
 
 fn json(report: &DecodeReport, level: u8) -> Value {

@@ -108,7 +108,7 @@ impl Encode {
             reporter.remark(text.trim_end());
         } else {
             reporter.outputs(std::slice::from_ref(&self.output));
-            reporter.say(&format!("{text}written: {}\n", self.output.display()))?;
+            reporter.say(&text)?;
         }
         Ok(json)
     }

@@ -57,7 +57,7 @@ impl Learn {
             run(&job, target, watch, &mut |text| reporter.warn(text))
         })?;
         reporter.outputs(std::slice::from_ref(output));
-        reporter.say(&format!("{}written: {}\n", text(&report), output.display()))?;
+        reporter.say(&text(&report))?;
         Ok(json(&report))
     }
 }

@@ -135,19 +135,19 @@ impl Map {
         reporter.outputs(std::slice::from_ref(&job.output));
         let [read, drawn, written] = report.times.map(|time| time.as_secs_f64());
         reporter.remark(&format!("read {read:.3} s, drawn {drawn:.3} s, written {written:.3} s"));
-        reporter.say(&text(&job, &report))?;
+        reporter.say(&text(&report))?;
         Ok(json(&report))
     }
 }
 
-fn text(job: &MapJob, report: &MapReport) -> String {
+fn text(report: &MapReport) -> String {
     let ((rows, cols), (width, height)) = (report.size, report.picture);
     let mut text = format!("{cols} x {rows} cells on {width} x {height} pixels");
     let (there, shown) = report.peaks;
     if there > 0 {
         text += &format!(", {shown} of {there} peaks");
     }
-    text + &format!("\nwritten: {}\n", job.output.display())
+    text + "\n"
 }
 
 fn json(report: &MapReport) -> Value {

@@ -214,9 +214,6 @@ fn text(job: &PeaksJob, report: &PeaksReport) -> String {
     if peaks.iter().take(10).any(|peak| !peak.prominence_certain) {
         let _ = writeln!(text, "? terrain beyond the edge or in voids could make it lower: see prominence_min");
     }
-    for output in &report.outputs {
-        let _ = writeln!(text, "written: {}", output.display());
-    }
     text
 }
 

@@ -51,7 +51,7 @@ impl Reporter {
         self.inputs.push(path.display().to_string());
     }
 
-    /// Names the outputs.
+    /// Names the outputs; what people read ends with them.
     pub(super) fn outputs(&mut self, paths: &[PathBuf]) {
         self.outputs.extend(paths.iter().map(|path| path.display().to_string()));
     }
@@ -76,7 +76,7 @@ impl Reporter {
         if self.json { Ok(()) } else { print(text) }
     }
 
-    /// Ends the run: prints the document or the error, and returns the exit code.
+    /// Ends the run: prints the document, or which outputs were written, or the error, and returns the exit code.
     pub(super) fn finish(self, result: Result<Value>) -> u8 {
         let done = result.and_then(|result| {
             if self.json {
@@ -88,9 +88,10 @@ impl Reporter {
                     "result": result,
                     "warnings": self.warnings,
                 });
-                print(&format!("{document:#}\n"))?;
+                print(&format!("{document:#}\n"))
+            } else {
+                self.outputs.iter().try_for_each(|output| print(&format!("written: {output}\n")))
             }
-            Ok(())
         });
         match done {
             Ok(()) => self.answer,

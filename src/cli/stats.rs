@@ -127,9 +127,6 @@ impl Stats {
                 documents => text.push_str(&distances(documents, &report.comparisons, self.bins())),
             }
         }
-        for output in &report.outputs {
-            text.push_str(&format!("written: {}\n", output.display()));
-        }
         text
     }
 }

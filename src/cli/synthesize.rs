@@ -194,9 +194,6 @@ fn text(report: &SynthesizeReport) -> String {
             );
         }
     }
-    for output in &report.outputs {
-        let _ = writeln!(text, "written: {}", output.display());
-    }
     text
 }
 

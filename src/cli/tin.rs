@@ -85,12 +85,12 @@ impl Tin {
         reporter.outputs(std::slice::from_ref(&job.output));
         let [read, triangulated, written] = report.times.map(|time| time.as_secs_f64());
         reporter.remark(&format!("read {read:.3} s, triangulated {triangulated:.3} s, written {written:.3} s"));
-        reporter.say(&text(&job, &report))?;
+        reporter.say(&text(&report))?;
         Ok(json(&report))
     }
 }
 
-fn text(job: &TinJob, report: &TinReport) -> String {
+fn text(report: &TinReport) -> String {
     let ((rows, cols, _), (vertices, triangles)) = (report.size, report.mesh);
     let share = 100.0 * vertices as f64 / report.size.2 as f64;
     let mut text = format!(
@@ -104,7 +104,7 @@ fn text(job: &TinJob, report: &TinReport) -> String {
     if report.plane.is_some() {
         text += "coordinates are metres east and north of the raster's middle\n";
     }
-    text + &format!("written: {}\n", job.output.display())
+    text
 }
 
 fn json(report: &TinReport) -> Value {

@@ -91,9 +91,6 @@ fn text(report: &EvalReport) -> String {
     let voids = cols as u64 * rows as u64 - report.defined;
     let mut text = format!("{cols} x {rows} cells of {cell} m as {}, {seconds:.1} s\n", report.format);
     text += &format!("{low:.2} to {high:.2} m, {voids} cells without terrain\n");
-    for output in &report.outputs {
-        text += &format!("written: {}\n", output.display());
-    }
     text
 }
 

@@ -78,12 +78,12 @@ impl Mesh {
         reporter.outputs(std::slice::from_ref(&job.output));
         let [read, triangulated, written] = report.times.map(|time| time.as_secs_f64());
         reporter.remark(&format!("evaluated {read:.3} s, triangulated {triangulated:.3} s, written {written:.3} s"));
-        reporter.say(&text(&job, &report))?;
+        reporter.say(&text(&report))?;
         Ok(json(&report))
     }
 }
 
-fn text(job: &MeshJob, report: &MeshReport) -> String {
+fn text(report: &MeshReport) -> String {
     let ((vertices, triangles), lattice) = (report.mesh, &report.cells.lattice);
     let share = 100.0 * vertices as f64 / report.defined as f64;
     let error_m = error_text_m(report.error_m);
@@ -95,7 +95,7 @@ fn text(job: &MeshJob, report: &MeshReport) -> String {
     if x != 0.0 || y != 0.0 {
         text += &format!("coordinates are relative to {x}, {y}\n");
     }
-    text + &format!("written: {}\n", job.output.display())
+    text
 }
 
 fn json(report: &MeshReport) -> Value {

@@ -207,7 +207,7 @@ fn text(job: &RenderJob, report: &RenderReport) -> String {
     let (width, height) = job.size;
     let seconds: f64 = report.times.iter().map(|time| time.as_secs_f64()).sum();
     let rays = report.counts.rays + report.counts.shadow_rays;
-    format!("{width} x {height} pixels, {rays} rays, {seconds:.1} s\nwritten: {}\n", job.output.display())
+    format!("{width} x {height} pixels, {rays} rays, {seconds:.1} s\n")
 }
 
 fn json(job: &RenderJob, report: &RenderReport) -> Value {
