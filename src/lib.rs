@@ -15,6 +15,7 @@
 //! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid  crs                             rasters in memory; where they lie on Earth
 //! 0  error  units  watch  interval  rng    what everybody needs
+//!    components
 //! ```
 //!
 //! # Follow a DEM through
@@ -37,6 +38,8 @@ pub mod amplify;
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;
+#[cfg(feature = "program")]
+mod components;
 #[cfg(feature = "program")]
 pub mod construction;
 #[cfg(feature = "program")]

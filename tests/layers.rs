@@ -8,6 +8,7 @@ use std::path::Path;
 
 /// Modules at the crate's root, their layer, and the modules of the same layer that they may use.
 const LAYERS: &[(&str, u8, &[&str])] = &[
+    ("components", 0, &[]),
     ("error", 0, &[]),
     ("interval", 0, &[]),
     ("rng", 0, &[]),

@@ -2,6 +2,7 @@
 
 use super::drainage::{OUT, PIT};
 use super::relief::Relief;
+use crate::components::root;
 use rayon::prelude::*;
 
 /// The basin of all cells whose water leaves, and of voids.
@@ -112,16 +113,6 @@ fn passes(relief: &Relief, basin_of: &[u32]) -> Vec<Pass> {
 fn sortable(z: f32) -> u32 {
     let bits = (z + 0.0).to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
-}
-
-/// The root of a set; halves the way there.
-fn root(parents: &mut [u32], mut at: u32) -> u32 {
-    while parents[at as usize] != at {
-        let above = parents[parents[at as usize] as usize];
-        parents[at as usize] = above;
-        at = above;
-    }
-    at
 }
 
 /// Makes the cells from `cell` down to its pit drain to `cell`, and that in a direction.

@@ -4,8 +4,9 @@
 //! peaks, and the candidates of all tiles, with the cells beside the unknown, are swept once more from above to
 //! below. What comes out depends on the raster alone: tiles and threads only share the work.
 
-use super::forest::{TileForest, find, sweep_tile};
+use super::forest::{TileForest, sweep_tile};
 use super::tile::{NO_NODE, Node, Scan, Scanner, Tile};
+use crate::components::root;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::neighbours::is_above;
 use crate::grid::{Cell, Grid, Key};
@@ -168,14 +169,14 @@ impl<K: Key> DivideForest<K> {
     fn sweep(&mut self, parent: &mut [PeakNumber], events: &[Event<K>]) {
         self.touches = vec![NO_CELL; self.cells.len()];
         for event in events {
-            let top_a = find(parent, event.a);
+            let top_a = root(parent, event.a);
             if event.nth == TOUCH {
                 if self.touches[top_a as usize] == NO_CELL {
                     self.touches[top_a as usize] = event.cell;
                 }
                 continue;
             }
-            let top_b = find(parent, event.b);
+            let top_b = root(parent, event.b);
             if top_a == top_b {
                 continue;
             }

@@ -8,6 +8,7 @@
 //! a candidate list is the tile's share of a minimum spanning forest (the filter of Borůvka and Kruskal variants).
 
 use super::tile::{NO_NODE, Node, Pass, Scan};
+use crate::components::root;
 use crate::grid::neighbours::is_above;
 use crate::grid::{Cell, Key};
 
@@ -54,7 +55,7 @@ pub(super) fn sweep_tile<K: Key>(scan: &Scan<K>) -> TileForest<K> {
     let mut parent: Vec<Node> = (0..nodes as Node).collect();
     let mut forest = TileForest { joins: Vec::with_capacity(scan.peaks), candidates: Vec::new() };
     for &(key, pass) in &scan.passes {
-        let (top_a, top_b) = (find(&mut parent, pass.a), find(&mut parent, pass.b));
+        let (top_a, top_b) = (root(&mut parent, pass.a), root(&mut parent, pass.b));
         if top_a == top_b {
             continue;
         }
@@ -75,15 +76,4 @@ pub(super) fn sweep_tile<K: Key>(scan: &Scan<K>) -> TileForest<K> {
     forest.joins.shrink_to_fit();
     forest.candidates.shrink_to_fit();
     forest
-}
-
-/// The root of a node, halving the way there.
-#[inline]
-pub(super) fn find(parent: &mut [Node], mut node: Node) -> Node {
-    while parent[node as usize] != node {
-        let up = parent[parent[node as usize] as usize];
-        parent[node as usize] = up;
-        node = up;
-    }
-    node
 }

@@ -1,7 +1,7 @@
 //! The divide tree pruned at a prominence threshold, with the parents of its peaks.
 
 use super::divide::{DivideForest, Join, NO_CELL, PeakNumber};
-use super::forest::find;
+use crate::components::root;
 use crate::grid::neighbours::is_above;
 use crate::grid::{Cell, Elevations, Key};
 use rayon::prelude::*;
@@ -132,7 +132,7 @@ fn find_parents<K: Key>(peaks: &mut [PrunedPeak<K>]) {
     for ended in sweep_order(peaks) {
         let this = peaks[ended as usize].clone();
         let edge = this.edge.expect("the order holds ended peaks only");
-        let island_parent = find(&mut component, edge.far);
+        let island_parent = root(&mut component, edge.far);
         let mut at = edge.far;
         while !is_above(order(&peaks[at as usize]), order(&this)) {
             at = upwards[at as usize];

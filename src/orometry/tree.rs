@@ -5,6 +5,7 @@ use super::divide::{DivideForest, PeakNumber};
 use super::measure::{give_ids, measure_peak, relate_to_greatest};
 use super::prune::prune;
 use super::survey::{Isolation, Survey, TreeEdge};
+use crate::components::root;
 use crate::crs::{Metric, Place};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{Cell, Elevations, SampleType};
@@ -67,7 +68,7 @@ impl GivenTree {
                     pass.elevation_m, p.1, q.1
                 ));
             }
-            let [a, b] = pass.peaks.map(|peak| super::forest::find(&mut component, peak));
+            let [a, b] = pass.peaks.map(|peak| root(&mut component, peak));
             if a == b {
                 return wrong(format!("ridges close a ring at the saddle in cell {}", pass.cell));
             }

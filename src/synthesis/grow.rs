@@ -4,6 +4,7 @@ use super::cast::{Role, STEP_M, stepped};
 use super::ridges::Ridge;
 use super::tally::Tally;
 use super::target::Target;
+use crate::components::root;
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
@@ -143,13 +144,8 @@ impl<'a> Growth<'a> {
     }
 
     /// The top of a peak's component.
-    fn top(&mut self, mut peak: u32) -> u32 {
-        while self.tops[peak as usize] != peak {
-            let up = self.tops[self.tops[peak as usize] as usize];
-            self.tops[peak as usize] = up;
-            peak = up;
-        }
-        peak
+    fn top(&mut self, peak: u32) -> u32 {
+        root(&mut self.tops, peak)
     }
 
     /// The cheapest ridge from the component of a top to one with a higher top.
