@@ -28,6 +28,8 @@
 //! An archive needs every bit instead: `io::raster::stored` reads cells as they are stored, with a record of all that
 //! the file says, and `pipeline::archive` takes them batch by batch into a container and out again.
 //!
+//! The other way round, `pipeline::terrain` reads a divide tree and `synthesis::terrain` raises a DEM on it.
+//!
 //! # The container alone
 //!
 //! Without the feature `program` (`default-features = false`) there are only [`oro`], [`codec`] and what they stand on:

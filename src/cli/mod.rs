@@ -19,6 +19,8 @@ mod stats;
 mod stats_text;
 mod synthesize;
 mod tags;
+mod terrain;
+mod terrain_shape;
 mod tin;
 mod verify;
 
@@ -50,6 +52,7 @@ enum Verb {
     Scene(scene::Scene),
     Stats(Box<stats::Stats>),
     Synthesize(Box<synthesize::Synthesize>),
+    Terrain(Box<terrain::Terrain>),
     Tin(Box<tin::Tin>),
     Verify(verify::Verify),
 }
@@ -78,6 +81,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Some(Verb::Scene(verb)) => verb.run(),
         Some(Verb::Stats(verb)) => execute("stats", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Synthesize(verb)) => execute("synthesize", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Terrain(verb)) => execute("terrain", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Tin(verb)) => execute("tin", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Verify(verb)) => execute("verify", &verb.common.clone(), |reporter| verb.run(reporter)),
     }

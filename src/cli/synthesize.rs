@@ -3,37 +3,44 @@
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, four, list};
+use super::terrain_shape::ShapeOptions;
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::orometry::distributions::Comparison;
-use crate::pipeline::synthesize::{SynthesizeJob, SynthesizeReport, run};
+use crate::pipeline::synthesize::{SynthesizeJob, SynthesizeReport, TerrainPart, run};
+use crate::pipeline::terrain::is_raster;
 use crate::synthesis::SynthesisOptions;
 use crate::units::parse_length_m;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Make mountains like those of a real range: peaks, key saddles and a divide tree with its statistics.
+/// Make mountains like those of a real range: peaks, key saddles and a divide tree with its statistics, and terrain.
 ///
 /// A range is a DEM, which is measured first, a layer of peaks that `orograph peaks` wrote, or statistics that
 /// `orograph stats` wrote and anybody may edit. Its elevations, prominences, dominances and isolations are repeated, bin
 /// by bin, on any land, by other peaks in other places. Isolations are those to the nearest higher peak; a statistics
-/// file has those to higher ground, which are somewhat shorter. OUT.gpkg holds the layers that `orograph peaks` writes,
-/// styled for QGIS. Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
+/// file has those to higher ground, which are somewhat shorter. The terrain has the peaks and key saddles of the tree;
+/// where the range is a DEM it is about as steep, and with --ground-map as high in the mean as that says. --tree writes
+/// the layers that `orograph peaks` writes, styled for QGIS. Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
+    orograph synthesize mountains.tif --tree tree.gpkg --like fixtures/jacksboro.tif --resolution 100m\n  \
     orograph synthesize tree.gpkg --tree-only --like fixtures/jacksboro.tif --seed 1\n  \
     orograph synthesize more.gpkg --tree-only --like tree.gpkg --peaks 300 --seed 2")]
 pub(super) struct Synthesize {
-    /// Output: .gpkg, .csv, .geojson or .fgb.
+    /// Output: terrain in any raster format that GDAL writes; with --tree-only .gpkg, .csv, .geojson or .fgb.
     #[arg(value_name = "OUT")]
     output: PathBuf,
     /// The range to be like: DEM, layer of peaks or statistics file; several with --type-map.
     #[arg(long, value_name = "RANGE", required = true)]
     like: Vec<PathBuf>,
-    /// Make the divide tree. Terrain is not made yet, so this must be given.
-    #[arg(long)]
+    /// Make the divide tree alone.
+    #[arg(long, conflicts_with = "tree")]
     tree_only: bool,
+    /// Write the divide tree, too: .gpkg, .csv, .geojson or .fgb.
+    #[arg(long, value_name = "TREE")]
+    tree: Option<PathBuf>,
     /// The land to fill, in units of --crs; that of the first range unless given.
     #[arg(long, value_name = "XMIN,YMIN,XMAX,YMAX", value_delimiter = ',', num_args = 1, allow_hyphen_values = true)]
     bbox: Option<Vec<f64>>,
@@ -71,6 +78,8 @@ pub(super) struct Synthesize {
     #[arg(long, value_name = "NAME")]
     domain: Option<String>,
     #[command(flatten)]
+    shape: ShapeOptions,
+    #[command(flatten)]
     out: OutputOptions,
     #[command(flatten)]
     memory: MemoryOptions,
@@ -80,10 +89,14 @@ pub(super) struct Synthesize {
 
 impl Synthesize {
     fn meant(&self) -> Result<SynthesizeJob> {
-        if !self.tree_only {
-            return Err(Error::usage(
-                "terrain is not made yet: give --tree-only for the divide tree, which is a .gpkg of peaks, saddles and ridges",
-            ));
+        if self.tree_only && self.shape.is_given() {
+            return Err(Error::usage("--tree-only makes no terrain: leave out the options of terrain"));
+        }
+        if !self.tree_only && !is_raster(&self.output) {
+            return Err(Error::usage(format!(
+                "{} is no raster: give a .tif for terrain, or --tree-only for the divide tree alone",
+                self.output.display()
+            )));
         }
         let length = |option: &str, text: &str| parse_length_m(text).map_err(|error| wrong_value(option, &error));
         let resolution_m = length("--resolution", &self.resolution)?;
@@ -100,8 +113,9 @@ impl Synthesize {
             layer: self.layer.clone(),
             domain: self.domain.clone(),
             min_prominence_m,
-            output: self.output.clone(),
+            tree: if self.tree_only { Some(self.output.clone()) } else { self.tree.clone() },
             overwrite: self.out.overwrite,
+            terrain: if self.tree_only { None } else { Some(self.terrain()?) },
             bbox: four("--bbox", self.bbox.as_deref())?,
             crs: self.crs.clone(),
             resolution_m,
@@ -115,9 +129,22 @@ impl Synthesize {
         })
     }
 
+    fn terrain(&self) -> Result<TerrainPart> {
+        Ok(TerrainPart {
+            output: self.shape.output(&self.output, self.out.overwrite)?,
+            ground_map: self.shape.ground_map.clone(),
+            floor_m: self.shape.floor_m()?,
+            slope: self.shape.slope()?,
+            options: self.shape.terrain(self.seed)?,
+        })
+    }
+
     /// The command without what changes no result.
     fn words(&self) -> Vec<String> {
-        let mut words = vec!["orograph".into(), "synthesize".into(), "--tree-only".into()];
+        let mut words = vec!["orograph".into(), "synthesize".into()];
+        if self.tree_only {
+            words.push("--tree-only".into());
+        }
         let mut put = |option: &str, value: Option<String>| {
             words.extend(value.into_iter().flat_map(|value| [option.to_string(), value]));
         };
@@ -135,6 +162,9 @@ impl Synthesize {
         put("--type-map", path(&self.type_map));
         put("--ridge-exponent", Some(self.ridge_exponent.to_string()));
         put("--seed", Some(self.seed.to_string()));
+        if !self.tree_only {
+            words.extend(self.shape.words());
+        }
         words
     }
 
@@ -143,8 +173,10 @@ impl Synthesize {
         let job = self.meant()?;
         let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
         reporter.outputs(&report.outputs);
-        let [measured, synthesised, written] = report.times.map(|time| time.as_secs_f64());
-        reporter.remark(&format!("measured {measured:.3} s, synthesised {synthesised:.3} s, written {written:.3} s"));
+        let [measured, tree, terrain, written] = report.times.map(|time| time.as_secs_f64());
+        reporter.remark(&format!(
+            "measured {measured:.3} s, tree {tree:.3} s, terrain {terrain:.3} s, written {written:.3} s"
+        ));
         if !reporter.is_json() {
             reporter.say(&text(&report))?;
         }
@@ -198,7 +230,7 @@ fn text(report: &SynthesizeReport) -> String {
 }
 
 fn json(report: &SynthesizeReport) -> Value {
-    let [measured, synthesised, written] = report.times.map(|time| time.as_secs_f64());
+    let [measured, tree, terrain, written] = report.times.map(|time| time.as_secs_f64());
     let ranges: Vec<Value> = report
         .ranges
         .iter()
@@ -221,6 +253,8 @@ fn json(report: &SynthesizeReport) -> Value {
         "peaks_without_room_at_their_isolation": report.misplaced,
         "peaks_without_a_drawn_prominence": report.misjudged,
         "ranges": ranges,
-        "seconds": { "measure": measured, "synthesize": synthesised, "write": written },
+        "slope": report.raised.map(|raised| raised.0),
+        "plains_depth": report.raised.map(|raised| raised.1),
+        "seconds": { "measure": measured, "synthesize": tree, "terrain": terrain, "write": written },
     })
 }

@@ -180,7 +180,9 @@ fn read_features(
     target_wkt: Option<&str>,
 ) -> Result<Layer> {
     let columns = fields.iter().map(|field| Column::find(source, field)).collect::<Result<Vec<_>>>()?;
-    let own = source.spatial_ref().map(in_xy_order);
+    // A GeoPackage calls no CRS at all by such a name.
+    let is_defined = |crs: &SpatialRef| !crs.name().is_some_and(|name| name.starts_with("Undefined "));
+    let own = source.spatial_ref().filter(is_defined).map(in_xy_order);
     let target = target_wkt.map(parse_crs).transpose()?;
     let transform = match (&own, &target) {
         (Some(own), Some(target)) if own != target => Some(transform_between(own, target)?),

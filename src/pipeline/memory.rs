@@ -21,6 +21,8 @@ const REGULAR_MESH_BYTES_PER_CELL: u64 = 120;
 /// Bytes a vertex that a triangulation takes while it is refined, with its edges, its triangles and their queue.
 const TIN_BYTES_PER_VERTEX: u64 = 480;
 
+/// Bytes a cell of terrain that is raised: what a run of many cells took, and some more.
+const TERRAIN_BYTES_PER_CELL: u64 = 64;
 /// Bytes a peak that the synthesis of a divide tree takes, with its triangles and its rows in the output.
 const SYNTHESIS_BYTES_PER_PEAK: u64 = 3000;
 
@@ -99,6 +101,11 @@ pub fn batch_budget(memory: Option<u64>, needs: &BatchNeeds, remedy: &str) -> Re
 /// Bytes that the synthesis of a divide tree of so many peaks takes.
 pub fn synthesis_bytes(peaks: u64) -> u64 {
     peaks.saturating_mul(SYNTHESIS_BYTES_PER_PEAK).saturating_add(FIXED_BYTES)
+}
+
+/// Bytes that raising terrain of so many cells takes.
+pub fn terrain_bytes(cells: u64) -> u64 {
+    cells.saturating_mul(TERRAIN_BYTES_PER_CELL).saturating_add(FIXED_BYTES)
 }
 
 /// Refuses a survey that would not fit.

@@ -3,6 +3,8 @@
 pub mod amplify;
 pub mod archive;
 mod backbone;
+mod land;
+mod land_map;
 pub mod layers;
 pub mod map;
 pub mod memory;
@@ -18,6 +20,7 @@ pub mod stats;
 mod surveying;
 pub mod synthesize;
 mod tags;
+pub mod terrain;
 pub mod tin;
 pub mod view;
 

@@ -23,6 +23,7 @@ mod strata;
 mod synthesize;
 mod tally;
 mod target;
+pub mod terrain;
 mod throw;
 
 pub use controls::{ControlMap, Controls};

@@ -57,6 +57,7 @@ fn they_run() {
             "scene eval",
             "stats",
             "synthesize",
+            "terrain",
             "tin",
             "verify"
         ]

@@ -21,6 +21,7 @@ mod scene_failures;
 mod schema;
 mod sparse;
 mod synthesize;
+mod terrain;
 mod tin;
 
 use serde_json::Value;

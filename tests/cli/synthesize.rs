@@ -60,6 +60,27 @@ fn the_same_bytes_whatever_the_threads() {
 }
 
 #[test]
+fn terrain_with_its_tree() {
+    let dir = folder();
+    let (like, out, tree) = (fixture("jacksboro.tif"), inside(&dir, "out.tif"), inside(&dir, "tree.gpkg"));
+    let options = ["--like", &like, "--tree", &tree, "--ground-map", &like, "--resolution", "60m", "--json"];
+    let result = Run::done(&[&["synthesize", &out], &options[..]].concat()).json()["result"].clone();
+    assert!(result["slope"].as_f64().is_some_and(|slope| slope > 0.05 && slope < 1.0), "{}", result["slope"]);
+    let found = inside(&dir, "found.gpkg");
+    Run::done(&["peaks", &out, &found]);
+    let points = |path: &str| -> Vec<(f64, f64)> {
+        let layer = read_layer(path, Some("peaks"), &["x", "y"], None).expect("the layer");
+        let number = |value: &orograph::io::features::Value| value.number().expect("a number");
+        layer.features.iter().map(|feature| (number(&feature.values[0]), number(&feature.values[1]))).collect()
+    };
+    let (wanted, found) = (points(&tree), points(&found));
+    let cell = 60.0 / 111_000.0;
+    let near = |a: &(f64, f64), b: &(f64, f64)| (a.0 - b.0).abs() < 2.5 * cell && (a.1 - b.1).abs() < 2.5 * cell;
+    let kept = wanted.iter().filter(|peak| found.iter().any(|other| near(peak, other))).count();
+    assert!(kept * 100 >= wanted.len() * 95, "{kept} of {}", wanted.len());
+}
+
+#[test]
 fn statistics_that_were_edited() {
     let dir = folder();
     let (stats, out) = (inside(&dir, "stats.json"), inside(&dir, "out.geojson"));
@@ -127,7 +148,9 @@ fn what_is_refused() {
         run.expect(code, words);
         run.check(listing(dir.path()) == before, "nothing left behind");
     };
-    refused(&["--like", &like], 2, "give --tree-only");
+    refused(&["--like", &like], 2, "out.gpkg is no raster: give a .tif for terrain, or --tree-only");
+    refused(&["--like", &like, "--tree-only", "--slope", "0.4"], 2, "--tree-only makes no terrain");
+    refused(&["--like", &like, "--tree-only", "--tree", "x.gpkg"], 2, "--tree");
     refused(&["--tree-only"], 2, "--like");
     let tree = |options: &[&str], code: i32, words: &str| refused(&[&["--tree-only"], options].concat(), code, words);
     tree(&["--like", &inside(&dir, "absent.tif")], 3, "absent.tif: no such file");

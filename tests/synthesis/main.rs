@@ -10,6 +10,7 @@ mod likeness;
 mod measures;
 mod range;
 mod reference;
+mod terrain;
 
 /// How many ranges a property looks at, unless `PROPTEST_CASES` says it.
 fn cases(usual: u32) -> proptest::test_runner::Config {

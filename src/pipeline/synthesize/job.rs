@@ -1,16 +1,20 @@
 //! What to do, and what was done.
 
+use super::super::land::Land;
 use super::super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput, NAMES, PeaksLayer, SaddlesLayer};
 use super::super::memory;
-use super::super::metric::{AnyMetric, Distance, metric_on};
+use super::super::metric::AnyMetric;
 use super::super::surveying::own_geographic;
-use super::land::Land;
+use super::super::terrain::{RasterOutput, TerrainTarget, read_ground, tell_crossings};
 use super::maps::Maps;
 use super::range::{Range, RangeOptions};
+use crate::erosion::Relief;
 use crate::error::{Error, Result};
+use crate::io::raster::parse_crs;
 use crate::io::vector::{Table, Writer};
 use crate::orometry::distributions::{BinSet, Comparison, Domain, PeakMeasures, Selection, compare};
 use crate::orometry::{Survey, survey_tree};
+use crate::synthesis::terrain::{Raised, Skeleton, TerrainOptions, fit, raise};
 use crate::synthesis::{Extent, Synthesis, SynthesisOptions, Target, peak_counts, synthesize};
 use crate::watch::Watch;
 use std::path::PathBuf;
@@ -27,10 +31,12 @@ pub struct SynthesizeJob {
     pub domain: Option<String>,
     /// Least prominence in metres of the ranges' peaks; 30 m on a DEM and that of a layer unless given.
     pub min_prominence_m: Option<f64>,
-    /// Where to write.
-    pub output: PathBuf,
-    /// Whether an existing output may be replaced.
+    /// Where to write the layers of the tree, if anywhere.
+    pub tree: Option<PathBuf>,
+    /// Whether existing layers may be replaced.
     pub overwrite: bool,
+    /// The terrain to raise on the tree, if any.
+    pub terrain: Option<TerrainPart>,
     /// The land to fill: least x, least y, greatest x, greatest y; that of the first range unless given.
     pub bbox: Option<[f64; 4]>,
     /// The CRS of the land; that of the first range unless given.
@@ -53,6 +59,21 @@ pub struct SynthesizeJob {
     pub command: String,
 }
 
+/// The terrain of a synthesis.
+#[derive(Clone, Debug)]
+pub struct TerrainPart {
+    /// Where to write.
+    pub output: RasterOutput,
+    /// A raster of how high the land is in the mean.
+    pub ground_map: Option<PathBuf>,
+    /// Elevation of plains in metres where no ground is known; the lowest saddle's unless given.
+    pub floor_m: Option<f64>,
+    /// Slope of the ground, rise over run; from the range where that is a DEM unless given.
+    pub slope: Option<f64>,
+    /// Roughness and seed; the rest comes from the job.
+    pub options: TerrainOptions,
+}
+
 /// What was done.
 #[derive(Debug)]
 pub struct SynthesizeReport {
@@ -70,8 +91,10 @@ pub struct SynthesizeReport {
     pub misjudged: usize,
     /// The files written.
     pub outputs: Vec<PathBuf>,
-    /// How long measuring the ranges, synthesising and writing took.
-    pub times: [Duration; 3],
+    /// Slope of the ground and share of the plains' depth, where terrain was raised.
+    pub raised: Option<(f64, f64)>,
+    /// How long measuring the ranges, making the tree, raising terrain and writing took.
+    pub times: [Duration; 4],
 }
 
 /// How far the peaks like a range are from it.
@@ -97,8 +120,8 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     if job.like.len() > 1 && job.type_map.is_none() {
         return Err(Error::usage("--like is given several times: say with --type-map where the land is like which"));
     }
-    let writer = Writer::begin(&job.output, &NAMES, job.overwrite)?;
-    let outputs = writer.targets();
+    let writer = job.tree.as_ref().map(|path| Writer::begin(path, &NAMES, job.overwrite)).transpose()?;
+    let mut outputs = writer.as_ref().map(Writer::targets).unwrap_or_default();
     let begun = Instant::now();
     let mut note = |text: String| warn(&text);
     let reading = RangeOptions {
@@ -109,7 +132,7 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     };
     let ranges = job.like.iter().map(|path| reading.read(path, watch, &mut note)).collect::<Result<Vec<Range>>>()?;
     let first = ranges.first().ok_or_else(|| Error::usage("--like names no range"))?;
-    let land = Land::new(first, job.bbox, job.crs.as_deref(), job.resolution_m)?;
+    let land = land(first, job)?;
     let maps = Maps {
         density: job.density_map.as_ref(),
         elevation: job.elevation_map.as_ref(),
@@ -120,8 +143,7 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     let measured = begun.elapsed();
     let begun = Instant::now();
     let to_geographic = own_geographic(land.crs.as_ref())?;
-    let metric =
-        metric_on(&land.transform, land.size(), false, land.crs.as_ref(), Distance::Crs, to_geographic.as_ref())?;
+    let metric = land.metric(to_geographic.as_ref())?;
     let extent: Extent<'_, AnyMetric<'_>> = Extent::new(land.rows, land.cols, &metric);
     let targets: Vec<&Target> = ranges.iter().map(|range| &range.target).collect();
     let counts = peak_counts(&extent, &targets, &controls, job.peaks)?;
@@ -132,17 +154,35 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     let reports = report(job, &ranges, &made, &survey, extent.area_km2())?;
     let synthesised = begun.elapsed();
     let begun = Instant::now();
-    let frame =
-        Frame::of_raster(land.transform, land.cols, land.crs.as_ref(), to_geographic.as_ref(), LengthOutput::Metres);
-    let tables: [Box<dyn Table + '_>; 4] = [
-        Box::new(PeaksLayer::new(&frame, &survey.peaks, &[])),
-        Box::new(SaddlesLayer::new(&frame, &survey.peaks)),
-        Box::new(DivideTreeLayer::new(&frame, &survey.edges)),
-        Box::new(IsolationLayer::new(&frame, &survey.peaks)),
-    ];
-    let views: Vec<&dyn Table> = tables.iter().map(AsRef::as_ref).collect();
-    writer.write(&views, land.crs.as_ref(), &metadata(job, &ranges), watch)?;
-    drop(tables);
+    let metadata = metadata(job, &ranges);
+    let raised = match &job.terrain {
+        Some(part) => Some(raised(part, job, first, &land, land.cell_m(&metric), &made, &metadata, watch, &mut note)?),
+        None => None,
+    };
+    let raising = begun.elapsed();
+    let begun = Instant::now();
+    if let Some(writer) = writer {
+        let frame = Frame::of_raster(
+            land.transform,
+            land.cols,
+            land.crs.as_ref(),
+            to_geographic.as_ref(),
+            LengthOutput::Metres,
+        );
+        let tables: [Box<dyn Table + '_>; 4] = [
+            Box::new(PeaksLayer::new(&frame, &survey.peaks, &[])),
+            Box::new(SaddlesLayer::new(&frame, &survey.peaks)),
+            Box::new(DivideTreeLayer::new(&frame, &survey.edges)),
+            Box::new(IsolationLayer::new(&frame, &survey.peaks)),
+        ];
+        let views: Vec<&dyn Table> = tables.iter().map(AsRef::as_ref).collect();
+        writer.write(&views, land.crs.as_ref(), &metadata, watch)?;
+    }
+    let mut options = None;
+    if let Some(Waiting { target, relief, slope, depth }) = raised {
+        outputs.extend(target.write(relief, watch, &mut |text| note(text.to_string()))?);
+        options = Some((slope, depth));
+    }
     Ok(SynthesizeReport {
         size: land.size(),
         area_km2: extent.area_km2(),
@@ -150,9 +190,74 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         misplaced: made.misplaced,
         misjudged: made.misjudged,
         outputs,
-        times: [measured, synthesised, begun.elapsed()],
+        raised: options,
+        times: [measured, synthesised, raising, begun.elapsed()],
         survey,
     })
+}
+
+/// The land to fill: its box and its CRS are those of the range unless given.
+fn land(range: &Range, job: &SynthesizeJob) -> Result<Land> {
+    let place = range.place.as_ref();
+    let own_crs = place.and_then(|place| place.crs.clone());
+    let given = job.crs.as_deref().map(parse_crs).transpose()?;
+    let is_elsewhere = given.as_ref().is_some_and(|given| own_crs.as_ref().is_none_or(|own| own.wkt != given.wkt));
+    let bbox = match (job.bbox, place) {
+        (Some(bbox), _) => bbox,
+        (None, Some(place)) if !is_elsewhere => place.bbox,
+        (None, Some(_)) => {
+            return Err(Error::usage("--crs is not the range's own: say with --bbox which land to fill in it"));
+        }
+        (None, None) => {
+            return Err(Error::usage(
+                "statistics do not say where the range is: say with --bbox, in units of --crs or in metres, which land to fill",
+            ));
+        }
+    };
+    Land::covering(bbox, given.or(own_crs), job.resolution_m)
+}
+
+/// Terrain that waits to be written.
+struct Waiting {
+    target: TerrainTarget,
+    relief: Relief,
+    slope: f64,
+    depth: f64,
+}
+
+/// Raises terrain on a tree.
+#[allow(clippy::too_many_arguments, reason = "a step of the job, with what it knows")]
+fn raised(
+    part: &TerrainPart,
+    job: &SynthesizeJob,
+    range: &Range,
+    land: &Land,
+    cell_m: [f64; 2],
+    made: &Synthesis,
+    metadata: &[(String, String)],
+    watch: &Watch,
+    note: &mut dyn FnMut(String),
+) -> Result<Waiting> {
+    let cells = land.rows as u64 * land.cols as u64;
+    memory::admit_or(
+        memory::terrain_bytes(cells),
+        job.memory.unwrap_or_else(memory::free_bytes),
+        "give a smaller --bbox or a coarser --resolution",
+    )?;
+    let target = TerrainTarget::begin(&part.output, land, metadata)?;
+    let skeleton = Skeleton::of_tree(&made.tree, cell_m, job.options.seed);
+    let ground = part.ground_map.as_ref().map(|path| read_ground(path, land, cell_m, job.memory, watch)).transpose()?;
+    let lowest_m = skeleton.saddles.iter().chain(&skeleton.peaks).map(|spot| spot.elevation_m).reduce(f64::min);
+    let floor_m = part.floor_m.or(lowest_m).unwrap_or(0.0);
+    let mut options = TerrainOptions { ground, floor_m, seed: job.options.seed, ..part.options.clone() };
+    match (part.slope, &range.likeness) {
+        (Some(slope), _) => options.slope = slope,
+        (None, Some(likeness)) => options = fit(&skeleton, &options, likeness, watch)?,
+        (None, None) => {}
+    }
+    let Raised { relief, crossings } = raise(&skeleton, &options, watch)?;
+    tell_crossings(&skeleton, land, &crossings, &mut |text| note(text.to_string()));
+    Ok(Waiting { target, relief, slope: options.slope, depth: options.depth })
 }
 
 /// Holds what was made against the ranges.

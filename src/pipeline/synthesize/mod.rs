@@ -1,8 +1,8 @@
-//! The job behind `orograph synthesize`: from the statistics of ranges to the layers of a divide tree.
+//! The job behind `orograph synthesize`: from the statistics of ranges to the layers of a divide tree, and to
+//! terrain.
 
 mod job;
-mod land;
 mod maps;
 mod range;
 
-pub use job::{RangeReport, SynthesizeJob, SynthesizeReport, run};
+pub use job::{RangeReport, SynthesizeJob, SynthesizeReport, TerrainPart, run};

@@ -9,6 +9,7 @@ use crate::grid::GeoTransform;
 use crate::io::raster::{RasterOptions, RasterSource};
 use crate::orometry::distributions::{DEFAULT_RADIUS_M, Domain, PeakMeasures, Selection};
 use crate::orometry::{SurveyOptions, peak_isolations};
+use crate::synthesis::terrain::Likeness;
 use crate::synthesis::{Extent, Target};
 use crate::watch::Watch;
 use std::path::Path;
@@ -25,6 +26,8 @@ pub(super) struct Range {
     pub(super) target: Target,
     /// Where it is, unless it is a statistics file.
     pub(super) place: Option<RangePlace>,
+    /// How steep it is, where it is a DEM.
+    pub(super) likeness: Option<Likeness>,
 }
 
 /// Where a range is.
@@ -93,7 +96,11 @@ impl RangeOptions<'_> {
         let area_km2 = Extent::new(size.0, size.1, &metric).area_km2() * filled;
         let corners = [(0, 0), (0, size.1), (size.0, 0), size].map(|(row, col)| corner(&dem.transform, row, col));
         let place = RangePlace { crs: dem.crs.clone(), bbox: bounds(corners.into_iter()) };
-        Range::measured(&peaks, area_km2, Some(threshold_m), place)
+        let middle = size.0 as i64 / 2;
+        let cell_m = [metric.distance_m((middle, 0), (middle, 1)), metric.distance_m((middle, 0), (middle + 1, 0))];
+        let likeness = Likeness::of(&dem.heights_m(), [size.0, size.1], cell_m);
+        let range = Range::measured(&peaks, area_km2, Some(threshold_m), place)?;
+        Ok(Range { likeness: Some(likeness), ..range })
     }
 
     fn layer(&self, file: &PeaksFile, note: &mut dyn FnMut(String)) -> Result<Range> {
@@ -136,7 +143,7 @@ impl RangeOptions<'_> {
 impl Range {
     fn of(domain: Domain, radius_m: f64, threshold_m: Option<f64>, place: Option<RangePlace>) -> Result<Self> {
         let target = Target::of(&domain, radius_m, threshold_m)?;
-        Ok(Self { domain, radius_m, threshold_m, target, place })
+        Ok(Self { domain, radius_m, threshold_m, target, place, likeness: None })
     }
 
     fn measured(peaks: &[PeakMeasures], area_km2: f64, threshold_m: Option<f64>, place: RangePlace) -> Result<Self> {

@@ -1,10 +1,11 @@
-//! The land that is filled: a raster that is in no file.
+//! Land that is to be made: a raster that is in no file yet.
 
-use super::range::Range;
+use super::metric::{AnyMetric, Distance, metric_on};
+use crate::crs::Metric;
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::GeoTransform;
-use crate::io::raster::parse_crs;
+use crate::io::transform::OwnGeographic;
 
 /// Where the land is, and its cells.
 #[derive(Clone, Debug)]
@@ -23,28 +24,11 @@ pub(super) struct Land {
 const MOST: f64 = 1_000_000.0;
 
 impl Land {
-    /// The land of a box in a CRS, both those of the first range unless given, with cells of `resolution_m` metres.
+    /// The land of a box (least x, least y, greatest x, greatest y) in a CRS, with cells of `resolution_m` metres.
     ///
     /// # Errors
-    /// `Usage` where neither the range nor the options say where it is, and for a box that is empty or too large.
-    pub(super) fn new(range: &Range, bbox: Option<[f64; 4]>, crs: Option<&str>, resolution_m: f64) -> Result<Self> {
-        let place = range.place.as_ref();
-        let own_crs = place.and_then(|place| place.crs.clone());
-        let given = crs.map(parse_crs).transpose()?;
-        let is_elsewhere = given.as_ref().is_some_and(|given| own_crs.as_ref().is_none_or(|own| own.wkt != given.wkt));
-        let crs = given.or(own_crs);
-        let bbox = match (bbox, place) {
-            (Some(bbox), _) => bbox,
-            (None, Some(place)) if !is_elsewhere => place.bbox,
-            (None, Some(_)) => {
-                return Err(Error::usage("--crs is not the range's own: say with --bbox which land to fill in it"));
-            }
-            (None, None) => {
-                return Err(Error::usage(
-                    "statistics do not say where the range is: say with --bbox, in units of --crs or in metres, which land to fill",
-                ));
-            }
-        };
+    /// `Usage` for a box that is empty or reaches beyond a pole, `Unsupported` for one with too many cells.
+    pub(super) fn covering(bbox: [f64; 4], crs: Option<Crs>, resolution_m: f64) -> Result<Self> {
         let [west, south, east, north] = bbox;
         let is_box = bbox.iter().all(|v| v.is_finite()) && west < east && south < north;
         if !is_box {
@@ -77,5 +61,19 @@ impl Land {
     /// Rows and columns.
     pub(super) fn size(&self) -> (usize, usize) {
         (self.rows, self.cols)
+    }
+
+    /// Distances on the land.
+    ///
+    /// # Errors
+    /// A CRS in which there are none.
+    pub(super) fn metric<'a>(&self, to_geographic: Option<&'a OwnGeographic>) -> Result<AnyMetric<'a>> {
+        metric_on(&self.transform, self.size(), false, self.crs.as_ref(), Distance::Crs, to_geographic)
+    }
+
+    /// Width and height of a cell in the middle of the land, in metres.
+    pub(super) fn cell_m(&self, metric: &AnyMetric<'_>) -> [f64; 2] {
+        let middle = self.rows as i64 / 2;
+        [metric.distance_m((middle, 0), (middle, 1)), metric.distance_m((middle, 0), (middle + 1, 0))]
     }
 }

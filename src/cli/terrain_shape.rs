@@ -1,0 +1,93 @@
+//! Options of verbs that raise terrain on a divide tree.
+
+use super::shared::creation_option;
+use super::wrong_value;
+use crate::error::{Error, Result};
+use crate::pipeline::terrain::RasterOutput;
+use crate::synthesis::terrain::TerrainOptions;
+use crate::units::parse_length_m;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// How terrain is shaped, and what its file is like.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Terrain")]
+pub(super) struct ShapeOptions {
+    /// Raster of how high the land is in the mean, over all of it: any coarse DEM.
+    #[arg(long, value_name = "RASTER")]
+    pub(super) ground_map: Option<PathBuf>,
+    /// Elevation of the plains where there is no --ground-map; that of the lowest saddle unless given.
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "ground_map")]
+    floor: Option<String>,
+    /// Slope of the ground below the ridges, rise over run; 0.5, or as steep as a DEM of --like, unless given.
+    #[arg(long, value_name = "SLOPE")]
+    slope: Option<f64>,
+    /// Slope of the detail between ridges and valleys, rise over run; 0 for none.
+    #[arg(long, value_name = "SLOPE", default_value_t = 0.2)]
+    roughness: f64,
+    /// GDAL's name of the terrain's format; after the extension unless given.
+    #[arg(long = "of", value_name = "FORMAT")]
+    format: Option<String>,
+    /// Option of the terrain's format; may be given several times.
+    #[arg(long = "co", value_name = "KEY=VALUE")]
+    options: Vec<String>,
+}
+
+impl ShapeOptions {
+    /// Whether anything is said of terrain.
+    pub(super) fn is_given(&self) -> bool {
+        self.ground_map.is_some()
+            || self.floor.is_some()
+            || self.slope.is_some()
+            || self.format.is_some()
+            || !self.options.is_empty()
+    }
+
+    /// The raster that is to be written.
+    pub(super) fn output(&self, path: &Path, overwrite: bool) -> Result<RasterOutput> {
+        Ok(RasterOutput {
+            path: path.to_path_buf(),
+            overwrite,
+            format: self.format.clone(),
+            options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
+        })
+    }
+
+    /// Elevation of plains in metres.
+    pub(super) fn floor_m(&self) -> Result<Option<f64>> {
+        self.floor.as_deref().map(|text| parse_length_m(text).map_err(|e| wrong_value("--floor", &e))).transpose()
+    }
+
+    /// Slope of the ground.
+    pub(super) fn slope(&self) -> Result<Option<f64>> {
+        match self.slope {
+            Some(slope) if !(slope > 0.0 && slope <= 10.0) => {
+                Err(Error::usage(format!("--slope {slope}: expected a rise over a run between 0 and 10")))
+            }
+            slope => Ok(slope),
+        }
+    }
+
+    /// What else there is.
+    pub(super) fn terrain(&self, seed: u64) -> Result<TerrainOptions> {
+        let roughness = self.roughness;
+        if !(0.0..=1.0).contains(&roughness) {
+            return Err(Error::usage(format!("--roughness {roughness}: expected a rise over a run from 0 to 1")));
+        }
+        let slope = self.slope()?.unwrap_or(TerrainOptions::default().slope);
+        Ok(TerrainOptions { roughness, slope, seed, ..TerrainOptions::default() })
+    }
+
+    /// The options as words of a command, those that change results.
+    pub(super) fn words(&self) -> Vec<String> {
+        let mut words = vec![];
+        let mut put = |option: &str, value: Option<String>| {
+            words.extend(value.into_iter().flat_map(|value| [option.to_string(), value]));
+        };
+        put("--ground-map", self.ground_map.as_ref().map(|path| path.display().to_string()));
+        put("--floor", self.floor.clone());
+        put("--slope", self.slope.map(|slope| slope.to_string()));
+        put("--roughness", Some(self.roughness.to_string()));
+        words
+    }
+}

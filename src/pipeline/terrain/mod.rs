@@ -1,0 +1,14 @@
+//! The job behind `orograph terrain`: from a divide tree that is drawn in layers, or told in a text, to a DEM.
+
+mod drawn;
+mod ground;
+mod job;
+mod layers;
+mod text;
+mod write;
+
+pub(super) use ground::read_ground;
+pub(super) use job::tell_crossings;
+pub use job::{TerrainJob, TerrainReport, run};
+pub(super) use write::TerrainTarget;
+pub use write::{RasterOutput, is_raster};
