@@ -5,12 +5,14 @@ use super::chunk::{Chunk, ChunkBytes, seal};
 use super::description::Description;
 use super::dictionary::Dictionary;
 use super::reader::Reader;
+use super::shelf::Shelf;
 use super::source::RangeRead;
 use super::tiling::Place;
 use crate::codec::sparse::{Blend, Lattice, PatchTile, blended, decode_patches, encode_patches};
 use crate::codec::{Cells, SEGMENTS, TileShape};
 use crate::error::{Error, ErrorKind, Result};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A dictionary with the lattice of a raster's patches.
 #[derive(Debug)]
@@ -83,20 +85,12 @@ impl<R: RangeRead> Reader<R> {
         Ok((chunk.patches(sparse)?, [cols.start, rows.start]))
     }
 
-    /// The cells of a block of a level: the blend of all patches that reach into it.
-    pub(super) fn blend(
-        &self,
-        sparse: &Sparse,
-        band: usize,
-        level: u8,
-        block: Block,
-        damaged: &mut dyn FnMut(Error) -> Result<()>,
-    ) -> Result<Cells> {
-        let (area, rule) = (&self.tiles, self.tiles.rules[band]);
+    /// The chunks whose patches or voids reach into a block of a level, in ascending order.
+    pub(super) fn chunks_of_patches(&self, sparse: &Sparse, band: usize, level: u8, block: Block) -> Vec<u64> {
+        let area = &self.tiles;
         let (cols, rows) = (block.col..block.col + block.width, block.row..block.row + block.height);
-        let mut cells = super::block::zeros(rule.sample, block.width, block.height)?;
-        let mut blend = Blend::new(sparse.lattice, 1 << level, cols.clone(), rows.clone());
-        let (place_cols, place_rows) = blend.places();
+        let whole = |cells: &Range<usize>| cells.start << level..((cells.end - 1) << level) + 1;
+        let (place_cols, place_rows) = (sparse.lattice.columns(&whole(&cols)), sparse.lattice.rows(&whole(&rows)));
         // Places are stored with the tile that has the cell which is their number times the step, and voids with the
         // tile of the cells.
         let tiles = |places: &Range<usize>, cells: &Range<usize>| {
@@ -107,32 +101,61 @@ impl<R: RangeRead> Reader<R> {
         };
         let (tile_cols, tile_rows) = (tiles(&place_cols, &cols), tiles(&place_rows, &rows));
         let places = tile_rows.flat_map(|row| tile_cols.clone().map(move |col| Place { col, row, band }));
-        let chunks: Vec<u64> = places.map(|place| area.chunk(place)).collect();
-        let mut voids = vec![false; block.width * block.height];
-        // Row by row over all tiles, as cells add up patches in that order whatever the tiles.
-        let mut strip: Vec<(PatchTile, [Range<usize>; 2])> = vec![];
+        places.map(|place| area.chunk(place)).collect()
+    }
+
+    /// The cells of a block of a level: the blend of all patches that reach into it.
+    pub(super) fn blend(
+        &self,
+        sparse: &Sparse,
+        shelf: &Shelf,
+        (band, level): (usize, u8),
+        block: Block,
+        damaged: &mut dyn FnMut(Error) -> Result<()>,
+    ) -> Result<Cells> {
+        let (area, rule) = (&self.tiles, self.tiles.rules[band]);
+        let (cols, rows) = (block.col..block.col + block.width, block.row..block.row + block.height);
+        let mut cells = super::block::zeros(rule.sample, block.width, block.height)?;
+        let mut blend = Blend::new(sparse.lattice, 1 << level, cols, rows);
+        let chunks = self.chunks_of_patches(sparse, band, level, block);
+        let known: Vec<Option<Arc<PatchTile>>> = chunks.iter().map(|&chunk| shelf.get(chunk)).collect();
+        let missing: Vec<u64> = chunks.iter().zip(&known).filter(|(_, tile)| tile.is_none()).map(|(c, _)| *c).collect();
         let mut read = vec![];
-        for run in area.runs(chunks, SEGMENTS) {
+        for run in area.runs(missing, SEGMENTS) {
             read.extend(area.read(&self.source, &run, SEGMENTS)?);
         }
-        for (i, chunk) in read.iter().enumerate() {
-            let (cols, rows) = places_of(&sparse.lattice, chunk.place, chunk.shape, chunk.side);
-            match chunk.patches(sparse) {
+        let mut read = read.into_iter();
+        let mut voids = vec![false; block.width * block.height];
+        // Row by row over all tiles, as cells add up patches in that order whatever the tiles.
+        let mut strip: Vec<(Arc<PatchTile>, [Range<usize>; 2])> = vec![];
+        for (i, (&chunk, known)) in chunks.iter().zip(known).enumerate() {
+            let place = area.place(chunk);
+            let (shape, side) = (area.tiling.shape(place.col, place.row), area.tiling.side);
+            let (cols, rows) = places_of(&sparse.lattice, place, shape, side);
+            let cells =
+                Block { col: place.col * side, row: place.row * side, width: shape.width, height: shape.height };
+            let read = || match read.next() {
+                Some(chunk) => chunk.patches(sparse).map(Arc::new),
+                None => Err(Error::usage(format!("{place}: the tile was not read"))),
+            };
+            match known.map_or_else(read, Ok) {
                 Ok(tile) => {
-                    mark_voids(&mut voids, block, level, chunk, Some(&tile.voids));
+                    shelf.keep(chunk, &tile);
+                    mark_voids(&mut voids, block, level, cells, Some(&tile.voids));
                     strip.push((tile, [cols, rows]));
                 }
                 Err(error) if error.kind() == ErrorKind::Corrupt => {
                     damaged(error)?;
                     rows.for_each(|row| cols.clone().for_each(|col| blend.spoil((row, col))));
-                    mark_voids(&mut voids, block, level, chunk, None);
+                    mark_voids(&mut voids, block, level, cells, None);
                 }
                 Err(error) => return Err(error),
             }
-            if read.get(i + 1).is_none_or(|next| next.place.row != chunk.place.row) {
+            if chunks.get(i + 1).is_none_or(|&next| area.place(next).row != place.row) {
                 add_strip(&mut blend, sparse, &std::mem::take(&mut strip));
             }
         }
+        shelf.used(&chunks);
         if let Cells::F32(values) = &mut cells {
             let nodata = rule.nodata.map(|bits| bits as u32);
             for ((value, height), void) in values.iter_mut().zip(blend.cells()).zip(voids) {
@@ -147,7 +170,7 @@ impl<R: RangeRead> Reader<R> {
 }
 
 /// Adds the patches of tiles that lie side by side: row by row, and in each row tile by tile.
-fn add_strip(blend: &mut Blend, sparse: &Sparse, strip: &[(PatchTile, [Range<usize>; 2])]) {
+fn add_strip(blend: &mut Blend, sparse: &Sparse, strip: &[(Arc<PatchTile>, [Range<usize>; 2])]) {
     let Some((_, [_, rows])) = strip.first() else { return };
     let (wanted_cols, wanted_rows) = blend.places();
     let mut tiles: Vec<_> = strip.iter().map(|(tile, [cols, _])| (tile.patches(), cols.clone())).collect();
@@ -163,17 +186,18 @@ fn add_strip(blend: &mut Blend, sparse: &Sparse, strip: &[(PatchTile, [Range<usi
     }
 }
 
-/// Marks those cells of a block that a tile says are void; all of its cells when nothing is known of it.
-fn mark_voids(voids: &mut [bool], block: Block, level: u8, chunk: &ChunkBytes, tile: Option<&[bool]>) {
+/// Marks those cells of a block that a tile says are void; all of its cells when nothing is known of it. `cells` are
+/// where the tile lies.
+fn mark_voids(voids: &mut [bool], block: Block, level: u8, cells: Block, tile: Option<&[bool]>) {
     if tile.is_some_and(<[bool]>::is_empty) {
         return;
     }
-    let (left, top) = (chunk.place.col * chunk.side, chunk.place.row * chunk.side);
+    let (left, top) = (cells.col, cells.row);
     for row in 0..block.height {
         for col in 0..block.width {
             let (x, y) = ((block.col + col) << level, (block.row + row) << level);
-            if (left..left + chunk.shape.width).contains(&x) && (top..top + chunk.shape.height).contains(&y) {
-                let inside = (y - top) * chunk.shape.width + x - left;
+            if (left..left + cells.width).contains(&x) && (top..top + cells.height).contains(&y) {
+                let inside = (y - top) * cells.width + x - left;
                 voids[row * block.width + col] = tile.is_none_or(|tile| tile[inside]);
             }
         }

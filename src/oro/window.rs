@@ -3,6 +3,7 @@
 use super::area::Area;
 use super::block::{self, Block};
 use super::reader::Reader;
+use super::shelf::Shelf;
 use super::source::RangeRead;
 use super::tiling::Place;
 use crate::codec::{Cells, TOP_LEVEL, segments_for};
@@ -51,10 +52,26 @@ impl<R: RangeRead> Reader<R> {
         window: Window,
         damaged: &mut dyn FnMut(Error) -> Result<()>,
     ) -> Result<Cells> {
+        self.window_with(&Shelf::default(), band, level, window, damaged)
+    }
+
+    /// As [`Reader::window_or`], for one of the windows that a shelf was made for: tiles that they share are decoded
+    /// once.
+    ///
+    /// # Errors
+    /// As [`Reader::window_or`].
+    pub fn window_with(
+        &self,
+        shelf: &Shelf,
+        band: usize,
+        level: u8,
+        window: Window,
+        damaged: &mut dyn FnMut(Error) -> Result<()>,
+    ) -> Result<Cells> {
         self.check_window(band, level, window)?;
         let block: Block = window.into();
         if let Some(sparse) = &self.tiles.sparse {
-            return self.blend(sparse, band, level, block, damaged);
+            return self.blend(sparse, shelf, (band, level), block, damaged);
         }
         if level >= TOP_LEVEL
             && let Some(overview) = &self.overview
@@ -74,7 +91,7 @@ impl<R: RangeRead> Reader<R> {
         self.assemble(&self.tiles, band, level, window.into(), &mut Err)
     }
 
-    fn check_window(&self, band: usize, level: u8, window: Window) -> Result<()> {
+    pub(super) fn check_window(&self, band: usize, level: u8, window: Window) -> Result<()> {
         let bands = self.description.bands.len();
         if band >= bands {
             return Err(Error::usage(format!("band {}: the raster has {bands}", band + 1)));

@@ -1,6 +1,6 @@
 //! Files of the sparse profile: what goes in as patches comes out as their blend.
 
-use crate::case::{assert_same, cut, noise};
+use crate::case::{Counted, assert_same, cut, noise};
 use orograph::codec::Cells;
 use orograph::codec::sparse::{PatchTile, Steps, Term};
 use orograph::error::ErrorKind;
@@ -212,6 +212,34 @@ fn damaged_tiles_leave_what_they_do_not_reach() {
     }
     let report = reader.check(&Watch::default()).expect("is read");
     assert!(matches!(report.faults[0].place, FaultPlace::Tile(place, Some(_)) if place == bad));
+}
+
+#[test]
+fn windows_that_share_a_shelf_are_the_same_and_read_less() {
+    let case = Patched::new((200, 330), (8, 4), (5, 3), Some(-9999.0));
+    let file = case.write();
+    let windows: Vec<Window> = (0..330_usize.div_ceil(64) * 4)
+        .map(|i| (i / 4 * 64, i % 4 * 64))
+        .map(|(row, col)| Window { col, row, width: (200 - col).min(64), height: (330 - row).min(64) })
+        .collect();
+    let counted = Counted::new(file);
+    let reader = Reader::open(&counted).expect("opens");
+    let read = || counted.take().iter().map(|(_, length)| length).sum::<usize>();
+    let _ = read();
+    let shelf = reader.shelf(0, 0, &windows);
+    for &window in &windows {
+        let cells = reader.window_with(&shelf, 0, 0, window, &mut Err).expect("is read");
+        let expected = cut(&case.cells(), 200, window.col, window.row, window.width, window.height);
+        assert_same(&cells, &expected, "a window of several");
+    }
+    let shared = read();
+    for &window in &windows {
+        reader.window(0, 0, window).expect("is read");
+    }
+    let apart = read();
+    assert!(2 * shared < apart, "{shared} bytes shared, {apart} one by one");
+    // What nobody else needs is not kept.
+    assert!(format!("{shelf:?}").len() < 200, "{shelf:?}");
 }
 
 #[test]

@@ -145,16 +145,25 @@ impl ContainerSource {
         let at_path = |error: Error| error.at_path(&self.path);
         // A coarse level is read from few tiles, which may be others than the raster's own.
         let tiles = if self.level >= TOP_LEVEL { vec![area] } else { self.plan().tiles(area) };
-        let pieces: Vec<Result<(Cells, Vec<Error>)>> = tiles
+        let windows: Vec<Window> = tiles
+            .iter()
+            .map(|&[col, row, width, height]| Window {
+                col: self.corner[0] + col,
+                row: self.corner[1] + row,
+                width,
+                height,
+            })
+            .collect();
+        let shelf = self.reader.shelf(self.bands[band], self.level, &windows);
+        let pieces: Vec<Result<(Cells, Vec<Error>)>> = windows
             .par_iter()
-            .map(|&[col, row, width, height]| {
-                let window = Window { col: self.corner[0] + col, row: self.corner[1] + row, width, height };
+            .map(|&window| {
                 let mut faults = Vec::new();
                 let mut note = |error: Error| {
                     faults.push(error);
                     Ok(())
                 };
-                let cells = self.reader.window_or(self.bands[band], self.level, window, &mut note)?;
+                let cells = self.reader.window_with(&shelf, self.bands[band], self.level, window, &mut note)?;
                 Ok((cells, faults))
             })
             .collect();
