@@ -3,7 +3,9 @@
 use super::line::{Hit, Line, Progress, Verdict};
 use super::quads::{Plans, Quads};
 use super::seek::Place;
+use super::sweep::{Fate, Goal, Sweep};
 use super::tracer::{Memory, Tally};
+use crate::construction::bounds::THRESHOLD;
 use crate::construction::point::WIDTH;
 
 /// A line on its way.
@@ -67,14 +69,25 @@ impl<'t> Quads<'t> {
     pub(super) fn follow(
         &self,
         lines: &[Option<Line>],
+        goal: Goal,
         hits: &mut [Option<Hit>],
         max_steps: u32,
         memory: &mut Memory,
         tally: &mut Tally,
     ) {
+        hits.fill(None);
+        let mut lines = lines.to_vec();
+        if let Some(sweep) = self.sweep(&lines, goal, &mut memory.scattered) {
+            self.settle(&sweep, &lines, hits, memory, tally);
+            for (index, line) in lines.iter_mut().enumerate() {
+                let doubt_m = sweep.doubts_m[index];
+                let told = sweep.fates[index] == Fate::Under || hits[index].is_some() || doubt_m == f64::INFINITY;
+                *line = line.filter(|_| !told).map(|line| Line { from_m: line.from_m.max(doubt_m), ..line });
+            }
+        }
+        let lines = &lines[..];
         let mut open: Vec<Walker<'_, 't>> = vec![];
         for (index, line) in lines.iter().enumerate() {
-            hits[index] = None;
             if let Some(line) = line {
                 open.push(Walker {
                     index,
@@ -107,6 +120,46 @@ impl<'t> Quads<'t> {
                 from += self.step(&mut open[from..], lines, hits, max_steps, memory, tally);
             }
             open.retain(|walker| walker.place.is_some());
+        }
+    }
+
+    /// Evaluates the ground where lines seem to meet it; they do where that is so within the tolerance.
+    fn settle(
+        &self,
+        sweep: &Sweep<'_, 't>,
+        lines: &[Option<Line>],
+        hits: &mut [Option<Hit>],
+        memory: &mut Memory,
+        tally: &mut Tally,
+    ) {
+        let hit = |t_m: f64| Hit { t_m, proved_m: t_m, wall: false, lost: false, ground: None };
+        for (index, fate) in sweep.fates.iter().enumerate() {
+            // Whoever asks whether lines meet the ground does not ask where.
+            if let (Fate::Under, Some(line)) = (fate, &lines[index]) {
+                hits[index] = Some(hit(line.from_m));
+            }
+        }
+        let Memory { scattered, places, points } = memory;
+        let mut rest = &sweep.meetings[..];
+        while let [(_, plans), ..] = rest {
+            let count = rest.iter().take(WIDTH).take_while(|(_, other)| std::ptr::eq(*other, *plans)).count();
+            let (block, others) = rest.split_at(count);
+            rest = others;
+            let met = |&(index, _): &(usize, &Plans<'t>)| match (sweep.fates[index], &lines[index]) {
+                (Fate::Meets(t_m), Some(line)) => Some((index, t_m, line)),
+                _ => None,
+            };
+            places.clear();
+            places.extend(block.iter().filter_map(met).map(|(_, t_m, line)| line.ray.at(t_m)));
+            scattered.run(plans.gradient(self.tree()), places, points);
+            tally.evaluations += places.len() as u64;
+            tally.blocks += 1;
+            for ((index, t_m, line), point) in block.iter().filter_map(met).zip(points.iter()) {
+                let height = line.ray.elevation_m(t_m) - point.elevation.value;
+                if point.weight.value >= THRESHOLD && height.abs() <= line.near_m(t_m) {
+                    hits[index] = Some(Hit { ground: Some(*point), ..hit(t_m) });
+                }
+            }
         }
     }
 

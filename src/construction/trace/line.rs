@@ -3,6 +3,7 @@
 use super::ray::Ray;
 use crate::construction::area::Area;
 use crate::construction::bounds::{Bounds, THRESHOLD};
+use crate::construction::point::Point;
 use crate::interval::{Interval, product};
 
 /// The shortest step, as a share of the tolerance: where there are bounds, and where terrain ends.
@@ -44,6 +45,8 @@ pub(super) struct Hit {
     pub(super) wall: bool,
     /// Whether the ray gave up here, somewhere above the ground.
     pub(super) lost: bool,
+    /// The ground there with its gradient, if it was evaluated already.
+    pub(super) ground: Option<Point>,
 }
 
 /// A step.
@@ -193,7 +196,7 @@ impl Progress {
         self.steps += 1;
         let near = line.near_m(t_m);
         let meets = weight >= THRESHOLD && height_m <= near;
-        let hit = |t_m: f64, wall: bool, lost: bool| Verdict::Met(Hit { t_m, proved_m: t_m, wall, lost });
+        let hit = |t_m: f64, wall: bool, lost: bool| Verdict::Met(Hit { t_m, proved_m: t_m, wall, lost, ground: None });
         if self.steps >= max_steps {
             return hit(t_m, false, !meets);
         }
@@ -223,7 +226,7 @@ impl Progress {
                 t = (t_m + height_m * (t_m - t0) / fall).clamp(t0, t_m + (t_m - t0)).min(line.to_m);
             }
         }
-        Hit { t_m: t, proved_m: t_m, wall: false, lost: false }
+        Hit { t_m: t, proved_m: t_m, wall: false, lost: false, ground: None }
     }
 }
 

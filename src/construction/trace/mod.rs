@@ -11,10 +11,12 @@ mod follow;
 mod line;
 mod march;
 mod packet;
+mod patch;
 mod picture;
 mod quads;
 mod ray;
 mod seek;
+mod sweep;
 mod tracer;
 
 pub use camera::{Aim, Camera, Lens, View};

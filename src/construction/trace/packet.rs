@@ -5,6 +5,7 @@ use super::camera::Lens;
 use super::line::{Hit, Line};
 use super::picture::{Counts, Seen, TraceOptions};
 use super::ray::Ray;
+use super::sweep::Goal;
 use super::tracer::{Memory, Tally, Tracer};
 use crate::construction::area::Area;
 use crate::construction::bounds::THRESHOLD;
@@ -71,7 +72,7 @@ impl Scene<'_, '_> {
                 (line.from_m <= line.to_m).then_some(line)
             };
             let lines: Vec<Option<Line>> = (0..rays.len()).map(line).collect();
-            tracer.follow(&lines, &mut hits, memory, &mut tally);
+            tracer.follow(&lines, Goal::Ground, &mut hits, memory, &mut tally);
             for (nearest, hit) in nearest.iter_mut().zip(&hits) {
                 if let Some(hit) = hit {
                     *nearest = Some((tree, *hit));
@@ -111,11 +112,12 @@ impl Scene<'_, '_> {
                     index,
                     tree,
                     hit,
-                    ground: Point::NOTHING,
+                    ground: hit.ground.unwrap_or(Point::NOTHING),
                 })
             };
             let mut own: Vec<Found> = nearest.iter().enumerate().filter_map(of_tree).collect();
-            self.evaluate(tree, rays, &mut own.iter_mut().collect::<Vec<_>>(), memory, tally);
+            let mut unknown: Vec<&mut Found> = own.iter_mut().filter(|found| found.hit.ground.is_none()).collect();
+            self.evaluate(tree, rays, &mut unknown, memory, tally);
             // A chord may lead away from the ground: then the place that was proved is taken.
             let mut astray: Vec<&mut Found> = own
                 .iter_mut()
@@ -176,7 +178,7 @@ impl Scene<'_, '_> {
         for tracer in self.tracers {
             let line = |ray: &Option<Ray>| ray.and_then(|ray| Line::through(ray, &tracer.domain, tolerance));
             let lines: Vec<Option<Line>> = to_sun.iter().map(line).collect();
-            tracer.follow(&lines, &mut hits, memory, tally);
+            tracer.follow(&lines, Goal::Shade, &mut hits, memory, tally);
             for (k, hit) in hits.iter().enumerate() {
                 if hit.is_some() {
                     (dark[k], to_sun[k]) = (true, None);

@@ -18,7 +18,7 @@ pub enum Strategy {
     /// Steps from bounds over the segment ahead (Galin et al. 2020, "Segment tracing using local Lipschitz bounds",
     /// doi:10.1111/cgf.13951).
     Segment,
-    /// Bounds over quads of the plane that all rays share, down to a few pixels.
+    /// Bounds over quads of the plane that all rays share, down to a few pixels, and samples of the ground in the finest.
     #[default]
     Quads,
 }
@@ -28,7 +28,8 @@ pub enum Strategy {
 pub struct TraceOptions {
     /// How rays find the ground.
     pub strategy: Strategy,
-    /// A ray has met the ground when it is no higher above it than this share of a pixel's width there.
+    /// A ray has met the ground when it is no higher above it than this share of a pixel's width there. Before that it
+    /// is nowhere further below the ground than twice as much, and a ray that meets none is nowhere below it.
     pub tolerance: f64,
     /// Evaluations after which a ray gives up, and shows the ground that it is above.
     pub max_steps: u32,

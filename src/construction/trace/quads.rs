@@ -6,6 +6,7 @@
 //! on its place alone, not on which ray asked first.
 
 use super::line::Domain;
+use super::patch::Patch;
 use crate::construction::area::Area;
 use crate::construction::bounds::{Bounds, THRESHOLD};
 use crate::construction::evaluate::Scattered;
@@ -65,10 +66,18 @@ pub(super) enum Parts<'t> {
     /// Four quads: left and right in the first row, that of small y, then in the second; with their tops as far as
     /// they are known from here.
     Quads([f64; 4], Box<[OnceLock<Box<Quad<'t>>>; 4]>),
-    /// Tops of 2 x 2, 4 x 4 and 8 x 8 cells.
-    Cells(Box<([f64; 4], [f64; 16], [f64; 64])>),
+    /// The finest.
+    Cells(Box<Cells>),
     /// Nothing that is known better than the quad itself.
     Whole,
+}
+
+/// What a finest quad knows.
+pub(super) struct Cells {
+    /// Tops of 2 x 2, 4 x 4 and 8 x 8 cells.
+    pub(super) tops: ([f64; 4], [f64; 16], [f64; 64]),
+    /// The ground by its samples, where it is all defined and no steeper than is known.
+    pub(super) patch: Option<Patch>,
 }
 
 /// All quads of a tree.
@@ -204,7 +213,7 @@ impl<'t> Quads<'t> {
         let pixel = gauge.pixel_m(&area, bounds.elevation);
         let known = bounds.terrain_slope().is_finite();
         let finest = side <= pixel * CELL_PX * if known { CELLS as f64 } else { 4.0 } || depth >= DEEPEST;
-        let mut tops = [quad.top; 64];
+        let (mut tops, mut patch) = ([quad.top; 64], None);
         let reach = reach_m(&area);
         let rise = rise_m(&bounds, reach);
         if rise < bounds.elevation.width() {
@@ -220,11 +229,21 @@ impl<'t> Quads<'t> {
                 *cell = if bare { f64::NEG_INFINITY } else { cell.min((point.elevation.value + rise).next_up()) };
             }
             quad.top = tops.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            if finest && bounds.weight.min >= THRESHOLD {
+                patch = Some(Patch::new(&area, &points.map(|point| point.elevation.value), rise, rise / reach));
+            }
+        } else if finest && bounds.weight.min >= THRESHOLD && bounds.elevation.width().is_finite() {
+            // All of it lies in a narrow range.
+            let middle = 0.5 * (bounds.elevation.min + bounds.elevation.max);
+            patch = Some(Patch::new(&area, &[middle; SAMPLES], bounds.elevation.width(), f64::INFINITY));
         }
         let sixteen: [f64; 16] = halved(&tops, 8);
         let four: [f64; 4] = halved(&sixteen, 4);
-        quad.parts =
-            if finest { Parts::Cells(Box::new((four, sixteen, tops))) } else { Parts::Quads(four, Box::default()) };
+        quad.parts = if finest {
+            Parts::Cells(Box::new(Cells { tops: (four, sixteen, tops), patch }))
+        } else {
+            Parts::Quads(four, Box::default())
+        };
         if depth == 0 || side > PLAN_PX * pixel {
             quad.plans = Some(Box::new(Plans { area: grown, plain: plan, gradient: OnceLock::new() }));
         }

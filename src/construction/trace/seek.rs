@@ -154,7 +154,8 @@ impl<'t> Quads<'t> {
                 let (x, y) = (quad.area.x, quad.area.y);
                 let at = quad.middle;
                 let size = [x.width(), y.width()];
-                let found = cells_of(cutter, &cells.0, &cells.1, &cells.2, at, size, from_m, to_m);
+                let (four, sixteen, all) = &cells.tops;
+                let found = cells_of(cutter, four, sixteen, all, at, size, from_m, to_m);
                 found.map(|t_m| Place { t_m, exit_m: to_m, quad, home })
             }
             Parts::Whole => cutter.sinks(quad.top, from_m, to_m).map(|t_m| Place { t_m, exit_m: to_m, quad, home }),

@@ -6,6 +6,7 @@ use super::line::{Domain, Hit, Line};
 use super::march::March;
 use super::picture::{Counts, Strategy, TraceOptions};
 use super::quads::{Gauge, Plans, Quads};
+use super::sweep::Goal;
 use crate::construction::area::Area;
 use crate::construction::bounds::THRESHOLD;
 use crate::construction::evaluate::Scattered;
@@ -84,10 +85,11 @@ impl<'t> Tracer<'t> {
         Self { domain, max_steps, way }
     }
 
-    /// Where lines meet the ground.
+    /// Where lines meet the ground, or whether they do.
     pub(super) fn follow(
         &self,
         lines: &[Option<Line>],
+        goal: Goal,
         hits: &mut [Option<Hit>],
         memory: &mut Memory,
         tally: &mut Tally,
@@ -95,7 +97,7 @@ impl<'t> Tracer<'t> {
         match &self.way {
             Way::Nowhere => hits.fill(None),
             Way::March(march) => march.follow(lines, hits, self.max_steps, memory, tally),
-            Way::Quads(quads) => quads.follow(lines, hits, self.max_steps, memory, tally),
+            Way::Quads(quads) => quads.follow(lines, goal, hits, self.max_steps, memory, tally),
         }
     }
 
