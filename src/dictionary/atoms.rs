@@ -84,7 +84,7 @@ impl Dictionary {
     /// 4.3): a terrain is rebuilt from it with one atom a patch as exactly as `f32` can hold it. `source` names the
     /// raster.
     pub fn complete(patches: &Patches, source: &str) -> Self {
-        Samples::all(patches, source).into_dictionary()
+        Samples::gather(patches.clone(), source, true).into_dictionary()
     }
 
     /// Different dictionaries as one, the atoms in their order.
@@ -197,27 +197,32 @@ pub struct Samples {
 impl Samples {
     /// The patches of a raster that is named `source`.
     pub fn new(patches: &Patches, source: &str) -> Self {
-        let any = (0..patches.len()).any(|i| patches.is_whole(i));
-        Self::gather(patches, source, |i| !any || patches.is_whole(i))
+        Self::from_patches(patches.clone(), source)
     }
 
-    /// All patches, voids at the mean.
-    fn all(patches: &Patches, source: &str) -> Self {
-        Self::gather(patches, source, |_| true)
+    /// The same of patches that nobody else needs, in their memory.
+    pub fn from_patches(patches: Patches, source: &str) -> Self {
+        Self::gather(patches, source, false)
     }
 
-    fn gather(patches: &Patches, source: &str, takes: impl Fn(usize) -> bool) -> Self {
+    /// Whole patches if there are some, or all, voids at the mean.
+    fn gather(patches: Patches, source: &str, all: bool) -> Self {
         let shape = patches.layout().shape().clone();
-        let (mut values, mut origins) = (vec![], vec![]);
-        for i in (0..patches.len()).filter(|&i| takes(i)) {
-            let patch = patches.values_m(i);
-            let norm_m = norm_of(&shape, patch);
+        let all = all || !(0..patches.len()).any(|i| patches.is_whole(i));
+        let (mut origins, mut taken) = (vec![], vec![]);
+        for i in (0..patches.len()).filter(|&i| all || patches.is_whole(i)) {
+            let norm_m = norm_of(&shape, patches.values_m(i));
             if norm_m > 0.0 {
-                values.extend_from_slice(patch);
                 let corner = patches.layout().corner(patches.places()[i] as usize);
                 origins.push(Origin::Patch { source: 0, corner, norm_m });
+                taken.push(i);
             }
         }
+        let (size, mut values) = (shape.values(), patches.into_values_m());
+        for (to, &from) in taken.iter().enumerate() {
+            values.copy_within(from * size..(from + 1) * size, to * size);
+        }
+        values.truncate(taken.len() * size);
         Self { shape, values, origins, sources: vec![source.to_owned()] }
     }
 

@@ -18,6 +18,9 @@ pub struct Patches {
     known: Vec<Option<Box<[bool]>>>,
 }
 
+/// Rows of patches that are cut out at once.
+const ROWS: usize = 64;
+
 /// One patch, while it is cut out.
 struct Patch {
     mean_m: f64,
@@ -37,14 +40,23 @@ impl Patches {
         }
         let size = layout.shape().values();
         let (down, across) = layout.patches();
-        let lines: Vec<(Vec<u32>, Vec<Patch>, Vec<f32>)> = (0..down)
-            .into_par_iter()
-            .map(|i| {
+        let count = down * across;
+        let mut all = Self {
+            layout,
+            places: Vec::with_capacity(count),
+            mean_m: Vec::with_capacity(count),
+            values: Vec::with_capacity(count * size),
+            known: Vec::with_capacity(count),
+        };
+        // Some rows at a time, so that no second copy of all is there at once.
+        for from in (0..down).step_by(ROWS) {
+            let layout = &all.layout;
+            let line = |i: usize| {
                 let (mut places, mut patches, mut values) = (vec![], vec![], vec![]);
                 for place in i * across..(i + 1) * across {
                     values.resize(values.len() + size, f32::NAN);
                     let start = values.len() - size;
-                    match cut(raster, &layout, place, &mut values[start..]) {
+                    match cut(raster, layout, place, &mut values[start..]) {
                         Some(patch) => {
                             places.push(place as u32);
                             patches.push(patch);
@@ -53,22 +65,16 @@ impl Patches {
                     }
                 }
                 (places, patches, values)
-            })
-            .collect();
-        let count = lines.iter().map(|line| line.0.len()).sum();
-        let mut all = Self {
-            layout,
-            places: Vec::with_capacity(count),
-            mean_m: Vec::with_capacity(count),
-            values: Vec::with_capacity(count * size),
-            known: Vec::with_capacity(count),
-        };
-        for (places, patches, values) in lines {
-            all.places.extend(places);
-            all.values.extend(values);
-            for patch in patches {
-                all.mean_m.push(patch.mean_m);
-                all.known.push(patch.known);
+            };
+            let lines: Vec<(Vec<u32>, Vec<Patch>, Vec<f32>)> =
+                (from..down.min(from + ROWS)).into_par_iter().map(line).collect();
+            for (places, patches, values) in lines {
+                all.places.extend(places);
+                all.values.extend(values);
+                for patch in patches {
+                    all.mean_m.push(patch.mean_m);
+                    all.known.push(patch.known);
+                }
             }
         }
         Ok(all)
@@ -108,6 +114,11 @@ impl Patches {
     /// The values of all patches, one behind the other.
     pub(super) fn all_values_m(&self) -> &[f32] {
         &self.values
+    }
+
+    /// The values of all patches, to be made something else of.
+    pub(super) fn into_values_m(self) -> Vec<f32> {
+        self.values
     }
 
     /// Which of the disc's cells are there; `None`: all of them.

@@ -117,7 +117,7 @@ fn to_metres(band: &mut Band, unit: Option<&LengthUnit>) {
 fn patches_of(band: &Band, model: &ModelOptions) -> Result<Samples> {
     let raster = Raster::new(band.record.height, band.record.width, &band.values)?;
     let layout = PatchLayout::new(raster.rows(), raster.cols(), PatchShape::new(model.side)?, model.step)?;
-    Ok(Samples::new(&Patches::new(&raster, layout)?, ""))
+    Ok(Samples::from_patches(Patches::new(&raster, layout)?, ""))
 }
 
 /// Writes a raster with a patch for each atom, from the upper left.

@@ -80,11 +80,12 @@ impl Model {
         }
         let shape = PatchShape::new(given.map_or(options.side, Dictionary::side))?;
         let layout = PatchLayout::new(raster.rows(), raster.cols(), shape, options.step)?;
-        let patches = Patches::new(raster, layout)?;
         let dictionary = match given {
             Some(given) => given.clone(),
-            None => learned(&patches, options, watch)?,
+            // Cut out twice: both kinds of patches at once would take twice the memory.
+            None => learned(Patches::new(raster, layout.clone())?, options, watch)?,
         };
+        let patches = Patches::new(raster, layout)?;
         watch.begin("matching", 2);
         let first = decompose(&patches, &dictionary, options.sparsity)?;
         watch.advance(1)?;
@@ -190,10 +191,10 @@ impl Errors {
 }
 
 /// A dictionary learned from patches; where these are flat or void, one atom that nobody uses.
-fn learned(patches: &Patches, options: &ModelOptions, watch: &Watch) -> Result<Dictionary> {
-    let samples = Samples::new(patches, "");
+fn learned(patches: Patches, options: &ModelOptions, watch: &Watch) -> Result<Dictionary> {
+    let samples = Samples::from_patches(patches, "");
     if samples.is_empty() {
-        let side = patches.layout().shape().side();
+        let side = samples.shape().side();
         return Dictionary::from_values(side, vec![0.0; side * side], vec![Origin::Learned], vec![]);
     }
     let start = samples.draw(options.atoms, options.seed)?;
