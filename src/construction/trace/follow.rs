@@ -21,12 +21,39 @@ struct Walker<'q, 't> {
     retry: bool,
     /// How fast the line came down on the ground lately, per metre of way.
     fall: Option<f64>,
+    /// Whether the line may pass below the ground, no further than the ground is met from above: of use if it is met.
+    bold: bool,
+    /// Whether it may have done so.
+    doubted: bool,
+    done: bool,
 }
 
 /// The share of the way to where a look ahead should still succeed that is gone.
 const BOLDNESS: f64 = 0.9;
 
 impl Walker<'_, '_> {
+    /// A line that is to be followed.
+    fn new(index: usize, line: &Line, bold: bool) -> Self {
+        Self {
+            index,
+            progress: Progress::new(line.from_m),
+            between: false,
+            place: None,
+            ahead_m: line.from_m,
+            retry: false,
+            fall: None,
+            bold,
+            doubted: false,
+            done: false,
+        }
+    }
+
+    /// How far below the ground the line may pass, in metres.
+    fn spare_m(&mut self, line: &Line, t_m: f64) -> f64 {
+        self.doubted |= self.bold;
+        if self.bold { line.near_m(t_m) } else { 0.0 }
+    }
+
     /// Sets where to look next. The ground between the place and a point ahead is proved to be below the line if the
     /// height ahead is at least what it can have grown by since (the other half of sphere tracing's step, looking
     /// back); so the look goes as far ahead as that is likely, judged by the last heights.
@@ -54,7 +81,9 @@ impl Walker<'_, '_> {
         if self.ahead_m <= place.t_m {
             return true;
         }
-        self.retry = !line.clears(&place.quad.bounds, self.ahead_m - place.t_m, height_m);
+        let (bounds, way_m) = (place.quad.bounds, self.ahead_m - place.t_m);
+        let spare_m = self.spare_m(line, self.ahead_m - way_m);
+        self.retry = !line.clears(&bounds, way_m, height_m + spare_m);
         !self.retry
     }
 }
@@ -89,28 +118,28 @@ impl<'t> Quads<'t> {
         let mut open: Vec<Walker<'_, 't>> = vec![];
         for (index, line) in lines.iter().enumerate() {
             if let Some(line) = line {
-                open.push(Walker {
-                    index,
-                    progress: Progress::new(line.from_m),
-                    between: false,
-                    place: None,
-                    ahead_m: line.from_m,
-                    retry: false,
-                    fall: None,
-                });
+                open.push(Walker::new(index, line, goal == Goal::Ground));
             }
         }
         while !open.is_empty() {
             open.retain_mut(|walker| {
                 let Some(line) = &lines[walker.index] else { return false };
-                let t = walker.progress.t_m;
-                if walker.between {
-                    walker.place = self.anywhere(line, t);
-                } else if !walker.retry {
-                    walker.place = self.seek(line, t, walker.place.as_ref(), &mut memory.scattered);
+                loop {
+                    let t = walker.progress.t_m;
+                    if walker.between {
+                        walker.place = self.anywhere(line, t);
+                    } else if t > line.to_m {
+                        walker.place = None;
+                    } else if !walker.retry {
+                        walker.place = self.seek(line, t, walker.place.as_ref(), &mut memory.scattered);
+                    }
+                    walker.look(line);
+                    if walker.place.is_some() || !walker.doubted {
+                        return walker.place.is_some();
+                    }
+                    // It has met nothing: then it must not have passed below anything.
+                    *walker = Walker::new(walker.index, line, false);
                 }
-                walker.look(line);
-                walker.place.is_some()
             });
             open.sort_unstable_by_key(|walker| {
                 (walker.place.as_ref().map_or(0, |place| address(place.home.plans)), walker.index)
@@ -119,7 +148,7 @@ impl<'t> Quads<'t> {
             while from < open.len() {
                 from += self.step(&mut open[from..], lines, hits, max_steps, memory, tally);
             }
-            open.retain(|walker| walker.place.is_some());
+            open.retain(|walker| !walker.done);
         }
     }
 
@@ -163,8 +192,7 @@ impl<'t> Quads<'t> {
         }
     }
 
-    /// Evaluates one block for the first walkers, and lets them go on; those that are done lose their place. Gives how
-    /// many they were.
+    /// Evaluates one block for the first walkers, and lets them go on. Gives how many they were.
     fn step(
         &self,
         walkers: &mut [Walker<'_, 't>],
@@ -203,16 +231,14 @@ impl<'t> Quads<'t> {
                 Verdict::Met(hit) => {
                     tally.exhausted += u64::from(hit.lost);
                     hits[walker.index] = Some(hit);
-                    walker.place = None;
+                    walker.done = true;
                 }
                 Verdict::Between => walker.between = true,
                 Verdict::Free => {
-                    let free = line.free_m(&place.quad.bounds, t, height, weight);
+                    let (bounds, exit_m) = (place.quad.bounds, place.exit_m);
+                    let free = line.free_m(&bounds, t, height + walker.spare_m(line, t), weight);
                     // Bounds hold in the quad alone; the shortest step may lead out of it.
-                    walker.progress.t_m = (t + free.far).min(place.exit_m.max(t + free.least));
-                    if walker.progress.t_m > line.to_m {
-                        walker.place = None;
-                    }
+                    walker.progress.t_m = (t + free.far).min(exit_m.max(t + free.least));
                 }
             }
         }
