@@ -112,6 +112,12 @@ impl Anchors {
         branch * BRANCHES + self.knots[branch].nearest(features)
     }
 
+    /// The branch of the root that features lie on.
+    #[inline(always)]
+    pub(super) fn branch(&self, features: &[f32; DIMS]) -> usize {
+        self.root.nearest(features)
+    }
+
     /// The unit vector of an anchor.
     pub(super) fn vector(&self, anchor: usize) -> [f32; DIMS] {
         self.knots[anchor / BRANCHES].vector(anchor % BRANCHES)

@@ -1,13 +1,20 @@
 //! Steps one after the other, each learned at its own scale.
 
-use super::extend::{extended, extended_mask};
 use super::fill::filled;
 use super::learn::{Lesson, Lessons, TOO_FEW, learn};
 use super::plane::Plane;
+use super::realistic::{Realistic, Shares, realistic_reach};
 use super::step::{STEP_FACTORS, STEP_REACH, Step, trimmed_mask};
+use super::texture::{Place, Texture};
 use crate::error::{Error, ErrorKind, Result};
+use crate::rng::Rng;
 use crate::watch::Watch;
 use rayon::prelude::*;
+
+/// Rows and columns of coarse cells in the middle of an exemplar that texture is learned from, at most.
+const TEXTURE_SIDE: usize = 768;
+/// Seed of what is drawn while steps with texture learn: what they are drawn with comes later.
+const TEXTURED: u64 = 1;
 
 /// The largest factor.
 pub const MOST_FACTOR: usize = 256;
@@ -16,6 +23,8 @@ pub const MOST_FACTOR: usize = 256;
 #[derive(Clone, Debug)]
 pub struct Cascade {
     steps: Vec<Step>,
+    /// For each step what is laid on its estimates; nothing at all where estimates are wanted.
+    textures: Vec<Option<Texture>>,
     /// Steps that were learned at a finer scale than their own.
     borrowed: usize,
 }
@@ -69,26 +78,58 @@ impl Cascade {
     /// # Errors
     /// As [`steps_of`]; exemplars in which no step finds enough to learn from; a cancelled job.
     pub fn learn(exemplars: &[Plane], factor: usize, is_square: bool, seed: u64, watch: &Watch) -> Result<Self> {
+        Self::taught(exemplars, factor, is_square, seed, false, watch)
+    }
+
+    /// Learns the steps of a factor as [`Cascade::learn`] does, and the texture of each. What is to become terrain looks
+    /// like terrain before each step, so each step learns from true heights.
+    ///
+    /// # Errors
+    /// As [`Cascade::learn`].
+    pub fn learn_textured(exemplars: &[Plane], factor: usize, is_square: bool, watch: &Watch) -> Result<Self> {
+        Self::taught(exemplars, factor, is_square, TEXTURED, true, watch)
+    }
+
+    fn taught(
+        exemplars: &[Plane],
+        factor: usize,
+        is_square: bool,
+        seed: u64,
+        is_textured: bool,
+        watch: &Watch,
+    ) -> Result<Self> {
         let factors = steps_of(factor)?;
         let mut scales = shifted(exemplars, &factors);
         watch.begin("learning", factors.len() as u64);
-        let mut found: Vec<Option<Step>> = vec![];
+        let mut found: Vec<Option<(Step, Option<Texture>)>> = vec![];
         for (number, &factor) in factors.iter().enumerate() {
             let make = |lesson: usize| scales[lesson].lesson(number);
             let step = learn(&Lessons { count: scales.len(), make: &make }, factor, is_square, seed, watch)?;
             if number + 1 < factors.len() {
-                scales.par_iter_mut().for_each(|scales| scales.advance(number, step.as_ref()));
+                let step = step.as_ref().filter(|_| !is_textured);
+                scales.par_iter_mut().for_each(|scales| scales.advance(number, step));
             }
-            found.push(step);
+            found.push(step.map(|step| {
+                let texture = is_textured.then(|| texture(exemplars, &factors, number, &step)).flatten();
+                (step, texture)
+            }));
             watch.advance(1)?;
         }
         let borrowed = found.iter().filter(|step| step.is_none()).count();
-        let mut steps = vec![];
+        let (mut steps, mut textures) = (vec![], vec![]);
         for (number, &factor) in factors.iter().enumerate() {
-            let later = found[number..].iter().flatten().find(|step| step.factor == factor);
-            steps.push(later.cloned().ok_or_else(too_little)?);
+            let later = || found[number..].iter().flatten().filter(|(step, _)| step.factor == factor);
+            let (step, texture) = later().next().cloned().ok_or_else(too_little)?;
+            // A scale may be large enough for a step and too small for texture; finer texture will do.
+            let (step, texture) = match texture {
+                None => later().find(|(_, texture)| texture.is_some()).cloned().unwrap_or((step, None)),
+                Some(_) => (step, texture),
+            };
+            steps.push(step);
+            textures.push(texture);
         }
-        Ok(Self { steps, borrowed })
+        textures.truncate(if is_textured { steps.len() } else { 0 });
+        Ok(Self { steps, textures, borrowed })
     }
 
     /// How many times finer planes become.
@@ -108,7 +149,9 @@ impl Cascade {
 
     /// Bytes of memory that the steps take.
     pub fn bytes(&self) -> usize {
-        self.steps.iter().map(|step| step.regressors.len() * size_of::<f32>()).sum()
+        let steps = self.steps.iter().map(|step| step.regressors.len());
+        let textures = self.textures.iter().flatten().map(Texture::len);
+        steps.chain(textures).sum::<usize>() * size_of::<f32>()
     }
 
     /// Margins before each step and after the last.
@@ -116,33 +159,62 @@ impl Cascade {
         let mut margins: Vec<usize> = vec![0];
         for step in self.steps.iter().rev() {
             let after = margins[margins.len() - 1];
-            margins.push(after.div_ceil(step.factor) + STEP_REACH);
+            margins.push(after.div_ceil(step.factor) + self.step_reach(step));
         }
         margins.reverse();
         margins
     }
 
-    /// The finer plane of all but [`Cascade::reach`] cells at each side. The mean of the fine cells of each cell that
-    /// is `known` is its height, within a 100th of what bicubic enlargement is off.
+    fn step_reach(&self, step: &Step) -> usize {
+        if self.textures.is_empty() { STEP_REACH } else { realistic_reach(step.factor) }
+    }
+
+    /// The finer plane of all but [`Cascade::reach`] cells at each side: the best estimate where no texture was learned,
+    /// and else one of many, which a seed stands for. `corner` is row and column of the plane's first cell in its raster;
+    /// margins may begin before it. The mean of the fine cells of each cell that is `known` is its height, within a 100th
+    /// of what bicubic enlargement is off.
     ///
     /// Each fine cell depends on what lies within the reach alone, and comes out the same however planes are cut.
     ///
     /// # Panics
     /// When there is not one value of `known` a cell, or the plane is not larger than its margins.
-    pub fn amplified(&self, mut plane: Plane, mut known: Vec<bool>) -> Plane {
+    pub fn amplified(&self, mut plane: Plane, mut known: Vec<bool>, mut corner: [i64; 2], seed: u64) -> Plane {
         assert_eq!(known.len(), plane.heights_m().len(), "one value a cell");
         let margins = self.margins();
         for (number, step) in self.steps.iter().enumerate() {
             let cols = plane.cols();
-            let fine = step.applied(&plane, &known);
-            let mask = enlarged_mask(&trimmed_mask(&known, cols, STEP_REACH), cols - 2 * STEP_REACH, step.factor);
+            let reach = self.step_reach(step);
+            let fine = match self.textures.get(number) {
+                None => step.applied(&plane, &known),
+                Some(texture) => {
+                    let shares = if number == 0 { Shares::FIRST } else { Shares::LATER };
+                    let place = Place { corner, seed: Rng::for_part(seed, number as u64).next_u32() };
+                    Realistic { step, texture: texture.as_ref(), shares }.applied(&plane, &known, place)
+                }
+            };
+            let mask = enlarged_mask(&trimmed_mask(&known, cols, reach), cols - 2 * reach, step.factor);
             // A margin may be a little wider than the next step needs.
-            let excess = (margins[number] - STEP_REACH) * step.factor - margins[number + 1];
+            let excess = (margins[number] - reach) * step.factor - margins[number + 1];
             known = trimmed_mask(&mask, fine.cols(), excess);
             plane = fine.trimmed(excess);
+            corner = corner.map(|at| (at + reach as i64) * step.factor as i64 + excess as i64);
         }
         plane
     }
+}
+
+/// What exemplars have beyond a step's estimates. The middle of a large one says enough.
+fn texture(exemplars: &[Plane], factors: &[usize], number: usize, step: &Step) -> Option<Texture> {
+    let cell: usize = factors[number..].iter().product();
+    let lessons = exemplars.iter().map(|exemplar| {
+        let most = [exemplar.rows(), exemplar.cols()].map(|side| side.min(TEXTURE_SIDE * cell));
+        let [row, col] = [(exemplar.rows() - most[0]) / 2, (exemplar.cols() - most[1]) / 2];
+        let part = exemplar.part(row, col, most[0], most[1]);
+        let mut scales = Scales::of(&part, [0, 0], factors);
+        scales.seen = scales.truth(number).0;
+        scales.lesson(number)
+    });
+    Texture::learn(lessons, step)
 }
 
 /// All exemplars in all ways.
@@ -193,13 +265,7 @@ impl<'a> Scales<'a> {
     fn advance(&mut self, number: usize, step: Option<&Step>) {
         let (_, known) = self.truth(number);
         self.seen = match step {
-            Some(step) if !known.is_empty() => {
-                let size = [self.seen.rows(), self.seen.cols()];
-                let margin = STEP_REACH as i64;
-                let wanted = [-margin, -margin, size[0] as i64 + 2 * margin, size[1] as i64 + 2 * margin];
-                let mask = extended_mask(&known, size[1], [0, 0], size, wanted);
-                step.applied(&extended(&self.seen, [0, 0], size, wanted), &mask)
-            }
+            Some(step) if !known.is_empty() => step.applied_whole(&self.seen, &known),
             _ => self.truth(number + 1).0,
         };
     }

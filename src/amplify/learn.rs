@@ -160,7 +160,7 @@ struct Place {
 
 impl Lesson {
     /// Middles of patches with data all around.
-    fn places(&self) -> impl Iterator<Item = (usize, usize)> {
+    pub(super) fn places(&self) -> impl Iterator<Item = (usize, usize)> {
         let (rows, cols) = (self.coarse.rows(), self.coarse.cols());
         let range = |side: usize| BORDER..side.saturating_sub(BORDER).max(BORDER);
         let is_known = move |row: usize, col: usize| {
@@ -169,6 +169,11 @@ impl Lesson {
         };
         let all = range(rows).flat_map(move |row| range(cols).map(move |col| (row, col)));
         all.filter(move |&(row, col)| is_known(row, col))
+    }
+
+    /// What a step makes of the coarse heights.
+    pub(super) fn estimated(&self, step: &Step) -> Plane {
+        step.applied_whole(&self.coarse, &self.known)
     }
 
     /// What the fine heights have above the bicubic ones, without the cells at the edges.

@@ -5,6 +5,10 @@
 //! regressions that were learned from an exemplar, one for each of many kinds of patch (A+, Timofte et al. 2014); and
 //! back-projection sees to it that the means of the fine cells are the coarse heights again.
 //!
+//! A cascade that has learned texture as well makes one plausible terrain for each seed: a step's detail is made larger,
+//! samples of what exemplars have beyond the estimate are laid on it ([`texture`], as strong as [`strength`] says of the
+//! place), water stays level ([`level`]), and the small pits that all of that makes are opened ([`breach`]).
+//!
 //! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
 //! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
 //! additions, products, divisions and roots decide, in one order: it is the same on every machine, too.
@@ -12,16 +16,21 @@
 mod anchors;
 mod back_projection;
 mod bicubic;
+mod breach;
 mod cascade;
 mod extend;
 mod features;
 mod fill;
 mod learn;
+mod level;
 mod orientation;
 mod plane;
+mod realistic;
 mod step;
+mod strength;
 #[cfg(test)]
 mod tests;
+mod texture;
 
 pub use bicubic::Bicubic;
 pub use cascade::{Cascade, MOST_FACTOR, steps_of};

@@ -5,7 +5,8 @@ use super::back_projection::{BackProjection, CORRECTION_MARGIN};
 use super::extend::{extended, extended_mask};
 use super::features::{DIMS, INPUTS, Patches, RADIUS, SIDE};
 use super::learn::{Lesson, Lessons, learn};
-use super::step::{STEP_REACH, Step};
+use super::step::{STEP_REACH, Step, Taken};
+use super::texture::{Place, Texture};
 use super::{Bicubic, Cascade, Plane};
 use crate::rng::Rng;
 use crate::watch::Watch;
@@ -36,8 +37,23 @@ fn whole(plane: &Plane, margin: usize) -> (Plane, Vec<bool>) {
 }
 
 fn amplified(cascade: &Cascade, plane: &Plane) -> Plane {
+    seeded(cascade, plane, 5)
+}
+
+fn seeded(cascade: &Cascade, plane: &Plane, seed: u64) -> Plane {
     let (plane, known) = whole(plane, cascade.reach());
-    cascade.amplified(plane, known)
+    let corner = [-(cascade.reach() as i64); 2];
+    cascade.amplified(plane, known, corner, seed)
+}
+
+/// A cascade for estimates, and one for terrain.
+fn both(exemplar: &Plane, factor: usize) -> [Cascade; 2] {
+    let exemplars = std::slice::from_ref(exemplar);
+    let watch = Watch::default();
+    [
+        Cascade::learn(exemplars, factor, true, 1, &watch).unwrap(),
+        Cascade::learn_textured(exemplars, factor, true, &watch).unwrap(),
+    ]
 }
 
 fn step(factor: usize, is_square: bool, fine: &Plane) -> Step {
@@ -175,18 +191,20 @@ fn a_linear_law_is_learned() {
 
 #[test]
 fn planes_may_be_cut_anywhere() {
-    let cascade = Cascade::learn(&[hills(160, 150, 2)], 4, true, 1, &Watch::default()).unwrap();
-    let plane = hills(40, 31, 9);
-    let all = amplified(&cascade, &plane);
-    assert_eq!((all.rows(), all.cols()), (160, 124));
-    let reach = cascade.reach();
-    let (wide, known) = whole(&plane, reach);
-    for (row, col, rows, cols) in [(0, 0, 7, 31), (7, 3, 1, 1), (39, 30, 1, 1), (13, 11, 20, 9)] {
-        let part = wide.part(row, col, rows + 2 * reach, cols + 2 * reach);
-        let lines = known.chunks(wide.cols()).skip(row).take(part.rows());
-        let mask = lines.flat_map(|line| line[col..col + part.cols()].iter().copied()).collect();
-        let own = cascade.amplified(part, mask);
-        assert_eq!(own, all.part(row * 4, col * 4, rows * 4, cols * 4), "{row} {col}");
+    for (cascade, seed) in both(&hills(160, 150, 2), 4).into_iter().zip([0, 5]) {
+        let plane = hills(40, 31, 9);
+        let all = seeded(&cascade, &plane, seed);
+        assert_eq!((all.rows(), all.cols()), (160, 124));
+        let reach = cascade.reach();
+        let (wide, known) = whole(&plane, reach);
+        for (row, col, rows, cols) in [(0, 0, 7, 31), (7, 3, 1, 1), (39, 30, 1, 1), (13, 11, 20, 9)] {
+            let part = wide.part(row, col, rows + 2 * reach, cols + 2 * reach);
+            let lines = known.chunks(wide.cols()).skip(row).take(part.rows());
+            let mask = lines.flat_map(|line| line[col..col + part.cols()].iter().copied()).collect();
+            let corner = [row, col].map(|at| at as i64 - reach as i64);
+            let own = cascade.amplified(part, mask, corner, seed);
+            assert_eq!(own, all.part(row * 4, col * 4, rows * 4, cols * 4), "{row} {col}");
+        }
     }
 }
 
@@ -203,8 +221,13 @@ fn turned_terrain_becomes_turned_finer_terrain() {
 #[test]
 fn means_are_kept_at_all_factors() {
     let exemplar = hills(260, 250, 2);
-    for factor in [2, 3, 4, 7, 8, 10, 32] {
-        let cascade = Cascade::learn(std::slice::from_ref(&exemplar), factor, true, 1, &Watch::default()).unwrap();
+    let watch = Watch::default();
+    let plain = [2, 3, 4, 7, 8, 10, 32]
+        .map(|factor| (factor, Cascade::learn(std::slice::from_ref(&exemplar), factor, true, 1, &watch).unwrap()));
+    let textured = [3, 10, 32].map(|factor| {
+        (factor, Cascade::learn_textured(std::slice::from_ref(&exemplar), factor, true, &watch).unwrap())
+    });
+    for (factor, cascade) in plain.into_iter().chain(textured) {
         assert_eq!(cascade.factor(), factor);
         assert_eq!(cascade.borrowed_steps() > 0, factor > 10, "{factor}: 250 cells hold few of so many");
         for (rows, cols) in [(1, 1), (1, 9), (12, 10)] {
@@ -215,6 +238,28 @@ fn means_are_kept_at_all_factors() {
                 assert!((mean - height).abs() < 0.01, "factor {factor}: {mean} of {height}");
             }
         }
+    }
+}
+
+/// With half of the patches each fine cell is the mean of those that speak of it.
+#[test]
+fn half_of_the_patches_say_about_the_same() {
+    let fine = hills(180, 180, 3);
+    let step = step(2, true, &fine);
+    let coarse = hills(30, 31, 8);
+    let [all, even, odd] = [Taken::All, Taken::Even, Taken::Odd].map(|taken| step.estimated(&coarse, 1.0, taken));
+    let bicubic = Bicubic::new(2).enlarged(&coarse).trimmed(4);
+    let squares =
+        |a: &Plane, b: &Plane| -> f64 { a.heights_m().iter().zip(b.heights_m()).map(|(a, b)| (a - b).powi(2)).sum() };
+    for half in [&even, &odd] {
+        assert!(squares(half, &all) < 0.1 * squares(&bicubic, &all));
+    }
+    // A cell takes five of one half and four of the other.
+    for (cell, &mean) in all.heights_m().iter().enumerate() {
+        let (row, col) = (cell / all.cols() / 2, cell % all.cols() / 2);
+        let [five, four] = if (row + col) % 2 == 0 { [&even, &odd] } else { [&odd, &even] };
+        let known = (5.0 * five.heights_m()[cell] + 4.0 * four.heights_m()[cell]) / 9.0;
+        assert!((mean - known).abs() < 1e-4, "{mean} and {known}");
     }
 }
 
@@ -236,12 +281,81 @@ fn more_is_known_than_bicubic_does() {
 fn threads_make_no_difference() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| {
-            let cascade = Cascade::learn(&[hills(150, 170, 2)], 4, true, 1, &Watch::default()).unwrap();
-            amplified(&cascade, &hills(10, 10, 3))
-        })
+        pool.install(|| both(&hills(150, 170, 2), 4).map(|cascade| amplified(&cascade, &hills(10, 10, 3))))
     };
     assert_eq!(with(1), with(3));
+}
+
+/// How much a plane has above its bicubic means, in square metres.
+fn detail(plane: &Plane, factor: usize) -> f64 {
+    let bicubic = Bicubic::new(factor).enlarged(&whole(&plane.averaged(factor), 2).0);
+    let squares = plane.heights_m().iter().zip(bicubic.heights_m()).map(|(a, b)| (a - b).powi(2));
+    squares.sum::<f64>() / plane.heights_m().len() as f64
+}
+
+#[test]
+fn each_seed_draws_terrain_of_its_own_as_rough_as_the_truth() {
+    // Noise cannot be estimated, so all of it has to come from texture.
+    let mut range = hills(420, 240, 2);
+    let mut rng = Rng::new(4);
+    range.heights_mut().iter_mut().for_each(|height| *height += 3.0 * rng.unit());
+    let [estimate, terrain] = both(&range.part(0, 0, 300, 240), 4);
+    let truth = range.part(300, 0, 120, 240);
+    let coarse = truth.averaged(4);
+    let [known, smooth] = [detail(&truth, 4), detail(&amplified(&estimate, &coarse), 4)];
+    let drawn = [1, 2, 1].map(|seed| seeded(&terrain, &coarse, seed));
+    assert_eq!(drawn[0], drawn[2]);
+    let different = drawn[0].heights_m().iter().zip(drawn[1].heights_m()).filter(|(a, b)| a != b).count();
+    assert!(different > truth.heights_m().len() * 9 / 10, "{different} cells differ");
+    for drawn in drawn {
+        let found = detail(&drawn, 4);
+        assert!((found / known - 1.0).abs() < 0.25 && smooth < 0.8 * found, "{smooth}, {found} of {known} m2");
+    }
+}
+
+/// A texture by its definition: for each fine cell all samples that cover it.
+#[test]
+fn textures_are_what_they_are_defined_to_be() {
+    let mut fine = hills(240, 240, 3);
+    let mut rng = Rng::new(4);
+    fine.heights_mut().iter_mut().for_each(|height| *height += rng.unit());
+    for factor in [2, 3] {
+        let step = step(factor, true, &fine);
+        let coarse = fine.averaged(factor);
+        let known = vec![true; coarse.heights_m().len()];
+        let lesson = Lesson { fine: fine.clone(), coarse, known };
+        let texture = Texture::learn([lesson].into_iter(), &step).expect("enough to learn from");
+        let coarse = hills(21, 26, 9);
+        let place = Place { corner: [-4, 100], seed: 7 };
+        let quick = texture.drawn(&coarse, &step, place);
+        let slow = texture.drawn_slowly(&coarse, &step, place);
+        assert_eq!((quick.rows(), quick.cols()), ((21 - 12) * factor, (26 - 12) * factor));
+        for (a, b) in quick.heights_m().iter().zip(slow.heights_m()) {
+            assert!((a - b).abs() < 1e-4 * (1.0 + b.abs()), "factor {factor}: {a} and {b}");
+        }
+    }
+}
+
+#[test]
+fn narrow_exemplars_teach_steps_without_texture() {
+    let watch = Watch::default();
+    let narrow = hills(24, 1200, 2);
+    let cascade = Cascade::learn_textured(&[narrow, hills(5, 5, 3)], 2, true, &watch).unwrap();
+    let coarse = hills(9, 9, 4);
+    assert_eq!(seeded(&cascade, &coarse, 1), seeded(&cascade, &coarse, 2));
+}
+
+#[test]
+fn water_stays_level() {
+    let [_, terrain] = both(&hills(160, 150, 2), 4);
+    let mut coarse = hills(30, 30, 9);
+    for row in 0..30 {
+        coarse.heights_mut()[row * 30..row * 30 + 12].fill(-8.25);
+    }
+    let fine = amplified(&terrain, &coarse);
+    for row in 0..120 {
+        assert_eq!(fine.row(row)[..44], [-8.25; 44], "row {row}");
+    }
 }
 
 #[test]
@@ -250,8 +364,13 @@ fn what_teaches_nothing_is_refused() {
     let flat = Plane::new(200, 200, vec![7.0; 40_000]);
     let void = Plane::new(200, 200, vec![f64::NAN; 40_000]);
     for plane in [flat, void, hills(20, 20, 1), hills(3, 900, 1)] {
-        let error = Cascade::learn(&[plane], 2, true, 1, &watch).unwrap_err();
-        assert!(error.message().contains("teach nothing"), "{error}");
+        for result in [
+            Cascade::learn(std::slice::from_ref(&plane), 2, true, 1, &watch),
+            Cascade::learn_textured(std::slice::from_ref(&plane), 2, true, &watch),
+        ] {
+            let error = result.unwrap_err();
+            assert!(error.message().contains("teach nothing"), "{error}");
+        }
     }
     for factor in [0, 1, 11, 26, 257, 512] {
         let error = Cascade::learn(&[hills(200, 200, 1)], factor, true, 1, &watch).unwrap_err();

@@ -15,12 +15,16 @@ use std::path::PathBuf;
 /// Exemplars are finer DEMs of other places: what their small forms are like above their large ones is learned, and
 /// added to the input's. The output has so many times the input's rows and columns, on a grid aligned with it, and the
 /// same CRS, unit and voids; the mean of the cells that lie in one of the input's is that cell's elevation. Mode accurate
-/// gives the best estimate of the true heights, which is smoother than terrain. Exemplars may have any unit, CRS and
-/// cells; those with cells of about the size that is to be made teach most.
+/// gives the best estimate of the true heights, which is smoother than terrain. Mode realistic gives one of the terrains
+/// that there may be, as rough as true ones and with no more pits; another for each seed. Water, cells exactly as high as
+/// those around them, stays level in it. Exemplars may have any unit, CRS and cells; those with cells of about the size
+/// that is to be made teach most.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
-                        orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3")]
+                        orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3\n  \
+                        orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2 \
+                        --mode realistic --seed 7 --count 2")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "IN")]
@@ -37,9 +41,14 @@ pub(super) struct Amplify {
     /// What the result is to be.
     #[arg(long, value_enum, default_value_t = Mode::Accurate)]
     mode: Mode,
-    /// Seed of what is drawn from large exemplars.
+    /// Seed of what is drawn: in mode accurate the parts of large exemplars that are learned from, in mode realistic the
+    /// terrain.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// How many terrains to make in mode realistic, with the seed and those that follow it. Several are written to
+    /// OUT-1.tif, OUT-2.tif and so on where OUT.tif is the output.
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    count: usize,
     #[command(flatten)]
     raster: StoredInput,
     /// GDAL's name of the output's format; after the extension unless given.
@@ -61,6 +70,8 @@ pub(super) struct Amplify {
 enum Mode {
     /// The best estimate of the true heights.
     Accurate,
+    /// One of the terrains that there may be, as rough as true ones.
+    Realistic,
 }
 
 impl Amplify {
@@ -73,8 +84,10 @@ impl Amplify {
             factor: self.factor,
             mode: match self.mode {
                 Mode::Accurate => amplify::Mode::Accurate,
+                Mode::Realistic => amplify::Mode::Realistic,
             },
             seed: self.seed,
+            count: self.count,
             output: self.output.clone(),
             overwrite: self.out.overwrite,
             format: self.format.clone(),
@@ -114,6 +127,7 @@ fn json(report: &AmplifyReport) -> Value {
         "cells_with_data": report.cells,
         "deviation_m": report.deviation_m,
         "format": report.format,
+        "seeds": report.seeds,
         "seconds": { "learn": learned, "make": made },
     })
 }

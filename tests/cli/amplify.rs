@@ -117,6 +117,66 @@ fn bytes_depend_on_neither_threads_nor_memory() {
     assert!(cells(&from_stored).1 == fine, "the same cells");
 }
 
+/// Terrain is drawn for cells, not for tiles.
+#[test]
+fn realistic_terrain_depends_on_the_seed_alone() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
+        raster.nodata = Some(-1.0);
+        let cells = &mut raster.bands[0];
+        (0..cells.len())
+            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
+            .for_each(|i| cells[i] = -1.0);
+        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
+    });
+    let realistic = |name: &str, options: &[&str]| {
+        let out = inside(&dir, name);
+        let document = amplify(&input, &out, &exemplar, &[&["--mode", "realistic", "--overwrite"], options].concat());
+        (out, document)
+    };
+    let mut known: Option<Vec<u8>> = None;
+    for options in [["-j", "1", "--memory", "4G"], ["-j", "3", "--memory", "4G"], ["-j", "1", "--memory", "220M"]] {
+        let (out, document) = realistic("out.tif", &[&options[..], &["--seed", "8"]].concat());
+        assert_eq!(document["result"]["seeds"], serde_json::json!([8]));
+        let bytes = fs::read(&out).expect("the output");
+        assert!(known.get_or_insert_with(|| bytes.clone()) == &bytes, "{options:?}");
+    }
+    // Several at once are those that each seed gives on its own.
+    let (_, document) = realistic("several.tif", &["--seed", "7", "--count", "3"]);
+    assert_eq!(document["result"]["seeds"], serde_json::json!([7, 8, 9]));
+    let paths = [1, 2, 3].map(|number| inside(&dir, &format!("several-{number}.tif")));
+    assert_eq!(document["outputs"], serde_json::json!(paths));
+    let [first, second, third] = paths.each_ref().map(|path| cells(path).1);
+    assert!(fs::read(&paths[1]).expect("the output") == known.expect("made"), "the second seed is 8");
+    for other in [&first, &third] {
+        let equal = second.iter().zip(other).filter(|(a, b)| a == b && **a != -1.0).count();
+        assert!(equal < second.len() / 100, "{equal} cells are the same");
+    }
+    for fine in [&first, &second, &third] {
+        let found = deviation(&coarse, 300, fine, 4, Some(-1.0));
+        assert!(found <= 0.01, "{found} m");
+    }
+}
+
+#[test]
+fn realistic_terrain_of_all_sizes() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    for size in [(1, 1), (1, 7), (9, 1), (2, 3)] {
+        let name = format!("{}x{}.tif", size.0, size.1);
+        let (input, coarse) = dem(&dir, &name, size, |_| {});
+        let out = inside(&dir, &format!("fine-{name}"));
+        amplify(&input, &out, &exemplar, &["--mode", "realistic"]);
+        let found = deviation(&coarse, size.0, &cells(&out).1, 4, None);
+        assert!(found <= 0.01, "{name}: {found} m");
+    }
+    let (flat, _) = dem(&dir, "flat.tif", (30, 20), |raster| raster.bands[0].fill(12.5));
+    let out = inside(&dir, "fine-flat.tif");
+    amplify(&flat, &out, &exemplar, &["--mode", "realistic"]);
+    assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
+}
+
 #[test]
 fn parts_feet_and_narrow_rasters() {
     let dir = folder();
@@ -209,6 +269,9 @@ fn refusals() {
         (&input, &exemplar, &["--factor", "1"], 2, "--factor 1: expected 2 to 256"),
         (&input, &exemplar, &["--vertical-unit", "parsecs"], 2, "parsecs"),
         (&input, &exemplar, &["--mode", "fast"], 2, "accurate"),
+        (&input, &flat, &["--mode", "realistic"], 3, "flat.tif: the exemplars teach nothing"),
+        (&input, &exemplar, &["--count", "2"], 2, "several terrains need --mode realistic"),
+        (&input, &exemplar, &["--mode", "realistic", "--count", "0"], 2, "--count 0: expected 1 to 100"),
         (&input, &exemplar, &["--memory", "1M"], 3, "raise --memory"),
         (&input, &exemplar, &["--of", "nonsense"], 2, "no such format"),
     ] {
@@ -217,6 +280,14 @@ fn refusals() {
         run.check(listing(dir.path()) == before, "the folder as it was");
     }
     Run::new(&["amplify", &input, &out]).expect(2, "--exemplar");
+    // One of several outputs is in the way.
+    let (taken, plain) = (inside(&dir, "several-2.tif"), inside(&dir, "several.tif"));
+    fs::write(&taken, b"mine").expect("a file");
+    let several = ["amplify", &input, &plain, "--exemplar", &exemplar, "--mode", "realistic", "--count", "2"];
+    let before = listing(dir.path());
+    let run = Run::new(&several);
+    run.expect(4, "several-2.tif");
+    run.check(listing(dir.path()) == before, "the folder as it was");
     Run::new(&["amplify", &input, &small, "--exemplar", &exemplar]).expect(4, "--overwrite");
     Run::new(&["amplify", &input, &inside(&dir, "out.xyzzy"), "--exemplar", &exemplar]).expect(2, "--of");
 }

@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 
 /// Rows and columns in the middle of the input of which slopes are compared.
 const MIDDLE: usize = 1024;
+/// Terrains that are made in one run, at most: all files are open until the last is done.
+const MOST_OUTPUTS: usize = 100;
 
 /// What a finer terrain is to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,6 +24,8 @@ const MIDDLE: usize = 1024;
 pub enum Mode {
     /// The best estimate of the true heights.
     Accurate,
+    /// One of the terrains that there may be, as rough as true ones; another for each seed.
+    Realistic,
 }
 
 /// What to do.
@@ -39,9 +43,12 @@ pub struct AmplifyJob {
     pub factor: usize,
     /// What the result is to be.
     pub mode: Mode,
-    /// Seed of what is drawn from the exemplars.
+    /// Seed of what is drawn: in [`Mode::Accurate`] the patches of large exemplars that are learned from, in
+    /// [`Mode::Realistic`] the terrain.
     pub seed: u64,
-    /// Where to write.
+    /// How many terrains to make, with this seed and those that follow it; 1 in [`Mode::Accurate`].
+    pub count: usize,
+    /// Where to write. Where there are several, each has its number before the extension, from 1.
     pub output: PathBuf,
     /// Whether an existing output may be replaced.
     pub overwrite: bool,
@@ -60,15 +67,17 @@ pub struct AmplifyReport {
     pub size: [usize; 2],
     /// Metres from one column and one row of the output to the next.
     pub cell_m: [f64; 2],
-    /// Cells of the output with data.
+    /// Cells of each output with data.
     pub cells: u64,
-    /// Greatest difference in metres between an input cell and the mean of its output cells.
+    /// Greatest difference in metres between an input cell and the mean of its output cells, in any output.
     pub deviation_m: f64,
     /// The format that was written.
     pub format: String,
     /// The files written.
     pub outputs: Vec<PathBuf>,
-    /// How long learning, and making and writing took.
+    /// Seed of each output, in the order of the files.
+    pub seeds: Vec<u64>,
+    /// How long learning took, and making and writing all outputs.
     pub times: [Duration; 2],
 }
 
@@ -78,8 +87,8 @@ pub struct AmplifyReport {
 /// Anything that is wrong with the input, the exemplars, the output or the options; then no file has changed.
 pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<AmplifyReport> {
     let begun = Instant::now();
-    let Mode::Accurate = job.mode;
     steps_of(job.factor)?;
+    let paths = paths(job)?;
     let terrain = Terrain::open(&job.input, &job.raster, job.unit.as_ref())?;
     terrain.notes().iter().for_each(|note| warn(note));
     let [rows, cols] = terrain.size();
@@ -89,10 +98,13 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         return Err(Error::new(ErrorKind::Unsupported, message).at_path(&job.input));
     }
     let record = terrain.finer_record(job.factor);
-    let output =
-        Output { path: &job.output, overwrite: job.overwrite, format: job.format.as_deref(), options: &job.options };
-    let mut sink = output.begin(&record)?;
-    sink.notes(&job.options).iter().for_each(|note| warn(note));
+    // All are begun before anything is learned, and given their names after the last is made.
+    let mut sinks = vec![];
+    for path in &paths {
+        let output = Output { path, overwrite: job.overwrite, format: job.format.as_deref(), options: &job.options };
+        sinks.push(output.begin(&record)?);
+    }
+    sinks[0].notes(&job.options).iter().for_each(|note| warn(note));
     let cascade = learned(job, &terrain, watch, warn)?;
     if cascade.borrowed_steps() > 0 {
         warn(&format!(
@@ -104,28 +116,67 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
 
     let begun = Instant::now();
     let void = record.bands[0].nodata_value().map_or(f32::NAN, |value| value as f32);
-    let making = Making { terrain: &terrain, cascade: &cascade, void, memory: job.memory, watch };
-    let made = making.run(&mut sink).map_err(|error| match error.kind() {
-        ErrorKind::Output | ErrorKind::Interrupted => error,
-        _ => error.at_path(&job.input),
-    })?;
-    if made.cells == 0 {
-        let message = format!("all {} cells are nodata; check --band and --nodata", rows * cols);
-        return Err(Error::new(ErrorKind::Input, message).at_path(&job.input));
+    let seeds: Vec<u64> = (0..sinks.len() as u64).map(|number| job.seed.wrapping_add(number)).collect();
+    let (mut cells, mut deviation) = (0, 0.0f64);
+    for (&seed, sink) in seeds.iter().zip(&mut sinks) {
+        let making = Making { terrain: &terrain, cascade: &cascade, void, seed, memory: job.memory, watch };
+        let made = making.run(sink).map_err(|error| match error.kind() {
+            ErrorKind::Output | ErrorKind::Interrupted => error,
+            _ => error.at_path(&job.input),
+        })?;
+        if made.cells == 0 {
+            let message = format!("all {} cells are nodata; check --band and --nodata", rows * cols);
+            return Err(Error::new(ErrorKind::Input, message).at_path(&job.input));
+        }
+        cells = made.cells;
+        deviation = deviation.max(made.deviation);
     }
-    let format = sink.format().to_string();
-    let (outputs, notes) = sink.finish()?;
+    let format = sinks[0].format().to_string();
+    let (mut outputs, mut notes): (Vec<PathBuf>, Vec<String>) = (vec![], vec![]);
+    for sink in sinks {
+        let (written, own) = sink.finish()?;
+        outputs.extend(written);
+        notes.extend(own);
+    }
     notes.iter().for_each(|note| warn(note));
     let cell = terrain.cell.divided(job.factor);
     Ok(AmplifyReport {
         size: [record.height, record.width],
         cell_m: [cell.across_m, cell.down_m],
-        cells: made.cells,
-        deviation_m: made.deviation * terrain.unit_m(),
+        cells,
+        deviation_m: deviation * terrain.unit_m(),
         format,
         outputs,
+        seeds,
         times: [learned, begun.elapsed()],
     })
+}
+
+/// Where each terrain is written: `OUT.tif`, or `OUT-1.tif` and so on.
+///
+/// # Errors
+/// A number of terrains that there cannot be.
+fn paths(job: &AmplifyJob) -> Result<Vec<PathBuf>> {
+    if !(1..=MOST_OUTPUTS).contains(&job.count) {
+        return Err(Error::usage(format!("--count {}: expected 1 to {MOST_OUTPUTS}", job.count)));
+    }
+    if job.count == 1 {
+        return Ok(vec![job.output.clone()]);
+    }
+    if job.mode == Mode::Accurate {
+        return Err(Error::usage("--count: there is one best estimate; several terrains need --mode realistic"));
+    }
+    let stem = job.output.file_stem().unwrap_or_default();
+    let name = |number: usize| {
+        let mut name = stem.to_os_string();
+        name.push(format!("-{number}"));
+        if let Some(extension) = job.output.extension() {
+            name.push(".");
+            name.push(extension);
+        }
+        job.output.with_file_name(name)
+    };
+    Ok((1..=job.count).map(name).collect())
 }
 
 /// What the exemplars teach.
@@ -136,7 +187,11 @@ fn learned(job: &AmplifyJob, terrain: &Terrain, watch: &Watch, warn: &mut dyn Fn
         exemplars.extend(exemplar::read(path, &wanted, watch, warn)?);
     }
     let is_square = terrain.cell.is_square();
-    Cascade::learn(&exemplars, job.factor, is_square, job.seed, watch).map_err(|error| match job.exemplars.first() {
+    let cascade = match job.mode {
+        Mode::Accurate => Cascade::learn(&exemplars, job.factor, is_square, job.seed, watch),
+        Mode::Realistic => Cascade::learn_textured(&exemplars, job.factor, is_square, watch),
+    };
+    cascade.map_err(|error| match job.exemplars.first() {
         Some(path) if error.kind() == ErrorKind::Input => error.at_path(path),
         _ => error,
     })

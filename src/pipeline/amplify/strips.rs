@@ -26,6 +26,8 @@ pub(super) struct Making<'a> {
     pub(super) cascade: &'a Cascade,
     /// The value of cells without data; NaN where none is declared.
     pub(super) void: f32,
+    /// Which of many terrains is made, where the cascade draws one.
+    pub(super) seed: u64,
     pub(super) memory: Option<u64>,
     pub(super) watch: &'a Watch,
 }
@@ -109,12 +111,11 @@ impl Making<'_> {
         };
         let most = usize::try_from(budget / row_bytes.max(1)).unwrap_or(usize::MAX) / unit * unit;
         let strip = most.min(MOST_TILE_ROWS * tile.div_ceil(unit) * unit).max(unit);
-        // Enough tiles for all threads, where the raster is small.
+        // Enough tiles for all threads, where the raster is small; but none that is mostly margins.
         let threads = rayon::current_num_threads();
         let mut tile = [high.min(strip), tile];
-        while tile[0].max(tile[1]) * factor > TILE / 4
-            && strip.min(rows).div_ceil(tile[0]) * cols.div_ceil(tile[1]) < 4 * threads
-        {
+        let least = (TILE / 4 / factor).max(2 * self.cascade.reach());
+        while tile[0].max(tile[1]) > least && strip.min(rows).div_ceil(tile[0]) * cols.div_ceil(tile[1]) < 4 * threads {
             let longer = usize::from(tile[1] >= tile[0]);
             tile[longer] = (tile[longer] / 2).max(1);
         }
@@ -166,7 +167,8 @@ impl Making<'_> {
         let own = |mask: &[bool], row: usize, col: usize| mask[(row + reach) * (cols + 2 * reach) + col + reach];
         let is_known: Vec<bool> = (0..rows * cols).map(|cell| own(&mask, cell / cols, cell % cols)).collect();
         let truth = around.trimmed(reach);
-        let fine = self.cascade.amplified(around, mask);
+        let corner = [row, col].map(|at| at as i64 - margin);
+        let fine = self.cascade.amplified(around, mask, corner, self.seed);
         let mut cells: Vec<f32> = fine.heights_m().iter().map(|&height| height as f32).collect();
         let mut made = Made::NOTHING;
         for (cell, &known) in is_known.iter().enumerate() {
