@@ -6,8 +6,8 @@
 //! back-projection sees to it that the means of the fine cells are the coarse heights again.
 //!
 //! A cascade that has learned texture as well makes one plausible terrain for each seed: a step's detail is made larger,
-//! samples of what exemplars have beyond the estimate are laid on it ([`texture`], as strong as [`strength`] says of the
-//! place), water stays level ([`level`]), and the small pits that all of that makes are opened ([`breach`]).
+//! samples of what exemplars have beyond the estimate are laid on it (`texture`, as strong as `strength` says of the
+//! place), water stays level (`level`), and the small pits that all of that makes are opened (`breach`).
 //!
 //! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
 //! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
