@@ -23,8 +23,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
                         orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3\n  \
-                        orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2 \
-                        --mode realistic --seed 7 --count 2")]
+                        orograph amplify fixtures/void.tif new.tif --exemplar fixtures/jacksboro.tif --mode realistic")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "IN")]
