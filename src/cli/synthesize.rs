@@ -253,8 +253,9 @@ fn json(report: &SynthesizeReport) -> Value {
         "peaks_without_room_at_their_isolation": report.misplaced,
         "peaks_without_a_drawn_prominence": report.misjudged,
         "ranges": ranges,
-        "slope": report.raised.map(|raised| raised.0),
-        "plains_depth": report.raised.map(|raised| raised.1),
+        "slope": report.raised.map(|shape| shape[0]),
+        "plains_depth": report.raised.map(|shape| shape[1]),
+        "roughness": report.raised.map(|shape| shape[2]),
         "seconds": { "measure": measured, "synthesize": tree, "terrain": terrain, "write": written },
     })
 }

@@ -22,9 +22,10 @@ pub(super) struct ShapeOptions {
     /// Slope of the ground below the ridges, rise over run; 0.5, or as steep as a DEM of --like, unless given.
     #[arg(long, value_name = "SLOPE")]
     slope: Option<f64>,
-    /// Slope of the detail between ridges and valleys, rise over run; 0 for none.
-    #[arg(long, value_name = "SLOPE", default_value_t = 0.2)]
-    roughness: f64,
+    /// Slope of the detail between ridges and valleys, rise over run, 0 for none; 0.2, or as a DEM of --like has it with
+    /// --slope left out, unless given.
+    #[arg(long, value_name = "SLOPE")]
+    roughness: Option<f64>,
     /// GDAL's name of the terrain's format; after the extension unless given.
     #[arg(long = "of", value_name = "FORMAT")]
     format: Option<String>,
@@ -39,6 +40,7 @@ impl ShapeOptions {
         self.ground_map.is_some()
             || self.floor.is_some()
             || self.slope.is_some()
+            || self.roughness.is_some()
             || self.format.is_some()
             || !self.options.is_empty()
     }
@@ -70,7 +72,7 @@ impl ShapeOptions {
 
     /// What else there is.
     pub(super) fn terrain(&self, seed: u64) -> Result<TerrainOptions> {
-        let roughness = self.roughness;
+        let roughness = self.roughness.unwrap_or(TerrainOptions::default().roughness);
         if !(0.0..=1.0).contains(&roughness) {
             return Err(Error::usage(format!("--roughness {roughness}: expected a rise over a run from 0 to 1")));
         }
@@ -87,7 +89,7 @@ impl ShapeOptions {
         put("--ground-map", self.ground_map.as_ref().map(|path| path.display().to_string()));
         put("--floor", self.floor.clone());
         put("--slope", self.slope.map(|slope| slope.to_string()));
-        put("--roughness", Some(self.roughness.to_string()));
+        put("--roughness", self.roughness.map(|roughness| roughness.to_string()));
         words
     }
 }

@@ -91,8 +91,8 @@ pub struct SynthesizeReport {
     pub misjudged: usize,
     /// The files written.
     pub outputs: Vec<PathBuf>,
-    /// Slope of the ground and share of the plains' depth, where terrain was raised.
-    pub raised: Option<(f64, f64)>,
+    /// Slope of the ground, share of the plains' depth, and roughness, where terrain was raised.
+    pub raised: Option<[f64; 3]>,
     /// How long measuring the ranges, making the tree, raising terrain and writing took.
     pub times: [Duration; 4],
 }
@@ -179,9 +179,9 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         writer.write(&views, land.crs.as_ref(), &metadata, watch)?;
     }
     let mut options = None;
-    if let Some(Waiting { target, relief, slope, depth }) = raised {
+    if let Some(Waiting { target, relief, shape }) = raised {
         outputs.extend(target.write(relief, watch, &mut |text| note(text.to_string()))?);
-        options = Some((slope, depth));
+        options = Some(shape);
     }
     Ok(SynthesizeReport {
         size: land.size(),
@@ -221,8 +221,7 @@ fn land(range: &Range, job: &SynthesizeJob) -> Result<Land> {
 struct Waiting {
     target: TerrainTarget,
     relief: Relief,
-    slope: f64,
-    depth: f64,
+    shape: [f64; 3],
 }
 
 /// Raises terrain on a tree.
@@ -257,7 +256,7 @@ fn raised(
     }
     let Raised { relief, crossings } = raise(&skeleton, &options, watch)?;
     tell_crossings(&skeleton, land, &crossings, &mut |text| note(text.to_string()));
-    Ok(Waiting { target, relief, slope: options.slope, depth: options.depth })
+    Ok(Waiting { target, relief, shape: [options.slope, options.depth, options.roughness] })
 }
 
 /// Holds what was made against the ranges.

@@ -5,8 +5,8 @@ use crate::components::root;
 use crate::crs::Crs;
 use crate::error::{Error, ErrorKind, Result};
 use crate::synthesis::terrain::{RidgeLine, Skeleton, Spot};
-use rstar::RTree;
 use rstar::primitives::GeomWithData;
+use rstar::{AABB, RTree};
 use std::collections::BTreeMap;
 
 /// A peak or a saddle of a file.
@@ -44,6 +44,8 @@ pub(super) struct DrawnTree {
 
 /// How many cells a saddle may lie beside its line.
 const REACH_CELLS: f64 = 2.0;
+/// Saddles whose distances from a line differ by so many cells are as near.
+const SAME_CELLS: f64 = 0.5;
 
 type Places = RTree<GeomWithData<[f64; 2], u32>>;
 
@@ -71,9 +73,9 @@ impl DrawnTree {
             let (row, col) = land.transform.pixel(x, y);
             [col - 0.5, row - 0.5]
         };
-        let mut taken: BTreeMap<(usize, usize), &str> = BTreeMap::new();
+        let mut taken: BTreeMap<(usize, usize), (&str, bool)> = BTreeMap::new();
         let (mut peaks, mut saddles) = (vec![], vec![]);
-        for (drawn, placed) in [(&self.peaks, &mut peaks), (&self.saddles, &mut saddles)] {
+        for (is_saddle, drawn, placed) in [(false, &self.peaks, &mut peaks), (true, &self.saddles, &mut saddles)] {
             for spot in drawn {
                 let [col, row] = pixel(spot.at).map(|at| at.round());
                 if !(row >= 0.0 && col >= 0.0 && row < land.rows as f64 && col < land.cols as f64) {
@@ -81,7 +83,10 @@ impl DrawnTree {
                 }
                 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside of the land")]
                 let (row, col) = (row as usize, col as usize);
-                if let Some(other) = taken.insert((row, col), &spot.name) {
+                // Several peaks may end in one cell: it is a saddle of each.
+                if let Some((other, was_saddle)) = taken.insert((row, col), (&spot.name, is_saddle))
+                    && !(is_saddle && was_saddle)
+                {
                     return wrong(format!(
                         "{} and {other} lie in one cell: take one away, or give a finer --resolution",
                         spot.name
@@ -109,7 +114,9 @@ impl DrawnTree {
                     line.name, self.peaks[ends[0] as usize].name
                 ));
             }
-            let Some((saddle, segment)) = nearest_saddle(&saddle_places, &points) else {
+            let candidates = self.saddles_at(&saddle_places, &points);
+            let free = candidates.iter().find(|(saddle, _)| line_of[*saddle as usize].is_none());
+            let Some(&(saddle, segment)) = free.or(candidates.first()) else {
                 return wrong(format!(
                     "{} leads over no saddle: there is none within {REACH_CELLS} cells of it",
                     line.name
@@ -155,28 +162,34 @@ impl DrawnTree {
         }
         Ok(Skeleton { size: [land.rows, land.cols], cell_m, peaks, saddles, ridges })
     }
-}
 
-/// The saddle nearest to a line, and the segment that it is nearest to; none beyond reach.
-fn nearest_saddle(saddles: &Places, points: &[[f64; 2]]) -> Option<(u32, usize)> {
-    let mut best: Option<(f64, u32, usize)> = None;
-    for (segment, pair) in points.windows(2).enumerate() {
-        let [low, high] =
-            [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| [0, 1].map(|k| pick(pair[0][k], pair[1][k])));
-        let area = rstar::AABB::from_corners(low.map(|v| v - REACH_CELLS), high.map(|v| v + REACH_CELLS));
-        for saddle in saddles.locate_in_envelope(area) {
-            let way = [0, 1].map(|k| pair[1][k] - pair[0][k]);
-            let to = [0, 1].map(|k| saddle.geom()[k] - pair[0][k]);
-            let square = way[0] * way[0] + way[1] * way[1];
-            let part = if square > 0.0 { ((to[0] * way[0] + to[1] * way[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-            let off = [0, 1].map(|k| to[k] - part * way[k]);
-            let distance = (off[0] * off[0] + off[1] * off[1]).sqrt();
-            let found = (distance, saddle.data, segment);
-            let is_better = best.is_none_or(|best| (found.0, found.1, found.2) < best);
-            if distance <= REACH_CELLS && is_better {
-                best = Some(found);
+    /// The saddles that a line may lead over, with the segments that they are nearest to. All that are about as near as
+    /// the nearest count; a line goes down to its own saddle and no farther, so the lowest comes first.
+    fn saddles_at(&self, places: &Places, points: &[[f64; 2]]) -> Vec<(u32, usize)> {
+        let mut nearest: BTreeMap<u32, (f64, usize)> = BTreeMap::new();
+        for (segment, pair) in points.windows(2).enumerate() {
+            let corner = |pick: fn(f64, f64) -> f64, by: f64| [0, 1].map(|k| pick(pair[0][k], pair[1][k]) + by);
+            let area = AABB::from_corners(corner(f64::min, -REACH_CELLS), corner(f64::max, REACH_CELLS));
+            for saddle in places.locate_in_envelope(area) {
+                let way = [0, 1].map(|k| pair[1][k] - pair[0][k]);
+                let to = [0, 1].map(|k| saddle.geom()[k] - pair[0][k]);
+                let square = way[0] * way[0] + way[1] * way[1];
+                let part =
+                    if square > 0.0 { ((to[0] * way[0] + to[1] * way[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+                let off = [0, 1].map(|k| to[k] - part * way[k]);
+                let distance = (off[0] * off[0] + off[1] * off[1]).sqrt();
+                let own = nearest.entry(saddle.data).or_insert((f64::INFINITY, 0));
+                if distance <= REACH_CELLS && distance < own.0 {
+                    *own = (distance, segment);
+                }
             }
         }
+        let least = nearest.values().map(|own| own.0).fold(f64::INFINITY, f64::min);
+        let is_near = |own: &(f64, usize)| own.0.is_finite() && own.0 <= least + SAME_CELLS;
+        let mut found: Vec<(u32, usize)> =
+            nearest.into_iter().filter(|(_, own)| is_near(own)).map(|(saddle, own)| (saddle, own.1)).collect();
+        let elevation_m = |saddle: u32| self.saddles[saddle as usize].elevation_m;
+        found.sort_by(|a, b| elevation_m(a.0).total_cmp(&elevation_m(b.0)).then(a.0.cmp(&b.0)));
+        found
     }
-    best.map(|(_, saddle, segment)| (saddle, segment))
 }

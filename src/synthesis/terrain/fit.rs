@@ -1,7 +1,7 @@
 //! Slopes and plains chosen so that the terrain is as steep, and as high, as a real range.
 
 use super::ground::Ground;
-use super::raise::{TerrainOptions, raise};
+use super::raise::{TerrainOptions, raise_once};
 use super::skeleton::{Skeleton, Spot};
 use crate::erosion::Relief;
 use crate::error::Result;
@@ -19,7 +19,7 @@ pub struct Likeness {
 /// Quantiles that are compared.
 const QUANTILES: usize = 101;
 /// Side in cells of the part of the terrain on which options are tried.
-const WINDOW: usize = 1000;
+const WINDOW: usize = 800;
 /// A difference of so many degrees of slope counts as much ...
 const SLOPE: f64 = 1.5;
 /// ... as one of so many metres of mean elevation.
@@ -53,50 +53,81 @@ impl Likeness {
     }
 }
 
-/// Options with the slope, and where the ground is known the depth of plains, with which the middle of the terrain comes
-/// out most like a range.
+/// Options with the slope and the roughness, and where the ground is known the depth of plains, with which the middle of
+/// the terrain comes out most like a range.
 ///
 /// # Errors
-/// As [`raise`].
+/// As [`raise`](super::raise()).
 pub fn fit(skeleton: &Skeleton, options: &TerrainOptions, like: &Likeness, watch: &Watch) -> Result<TerrainOptions> {
     let Some(steep) = like.slopes.get(3 * QUANTILES / 4).map(|slope| slope.to_radians().tan()) else {
         return Ok(options.clone());
     };
     let (part, ground) = middle(skeleton, options.ground.as_ref());
-    let mut best = TerrainOptions { slope: rounded(0.8 * steep), ..options.clone() };
-    let trial = |slope: f64, depth: f64| -> Result<f64> {
-        let tried = TerrainOptions { slope: rounded(slope), depth, ground: ground.clone(), ..options.clone() };
-        difference(&raise(&part, &tried, watch)?.relief, like, ground.as_ref())
+    let trial = |shape: Shape| -> Result<f64> {
+        let tried = TerrainOptions { ground: ground.clone(), ..shape.on(options) };
+        difference(&raise_once(&part, &tried, watch)?.relief, like, ground.as_ref())
     };
-    let mut least = trial(best.slope, best.depth)?;
-    let mut step = 1.2;
+    let mut best = Shape { slope: 0.8 * steep, depth: options.depth, roughness: options.roughness };
+    let mut least = trial(best)?;
+    let mut step = 1.3;
     for _ in 0..ROUNDS {
         let was = least;
-        let mut ways = vec![(best.slope * step, best.depth), (best.slope / step, best.depth)];
-        if ground.is_some() {
-            ways.extend([(best.slope, best.depth * step), (best.slope, best.depth / step)]);
-            ways.extend([(best.slope * step, best.depth / step), (best.slope / step, best.depth * step)]);
-        }
-        for (slope, depth) in ways {
-            let found = trial(slope, depth)?;
+        for change in CHANGES.iter().filter(|change| ground.is_some() || change[1] == 0) {
+            let tried = best.changed(*change, step);
+            let found = trial(tried)?;
             if found < least {
-                (least, best.slope, best.depth) = (found, rounded(slope), depth);
+                (least, best) = (found, tried);
             }
         }
         if least == was {
             step = 1.0 + (step - 1.0) / 2.0;
         }
     }
-    Ok(best)
+    Ok(best.on(options))
+}
+
+/// What is chosen.
+#[derive(Clone, Copy)]
+struct Shape {
+    slope: f64,
+    depth: f64,
+    roughness: f64,
+}
+
+/// Which of slope, depth and roughness is made larger, and which smaller.
+const CHANGES: [[i32; 3]; 8] =
+    [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1], [1, -1, 0], [-1, 1, 0]];
+
+impl Shape {
+    fn changed(self, change: [i32; 3], step: f64) -> Self {
+        let by = |value: f64, change: i32| match change {
+            1 => value * step,
+            -1 => value / step,
+            _ => value,
+        };
+        Self {
+            slope: by(self.slope, change[0]),
+            depth: by(self.depth, change[1]),
+            roughness: by(self.roughness, change[2]).min(1.0),
+        }
+    }
+
+    /// The options with this shape, in thousandths: the last bits of a tangent may differ from machine to machine.
+    fn on(self, options: &TerrainOptions) -> TerrainOptions {
+        let rounded = |value: f64| (value * 1000.0).round() / 1000.0;
+        TerrainOptions {
+            slope: rounded(self.slope.clamp(0.01, 3.0)),
+            depth: rounded(self.depth),
+            roughness: rounded(self.roughness),
+            ..options.clone()
+        }
+    }
 }
 
 /// Rounds of looking around for better options.
-const ROUNDS: usize = 3;
-
-/// Slopes are tried in thousandths: the last bits of a tangent may differ from machine to machine.
-fn rounded(slope: f64) -> f64 {
-    (slope.clamp(0.01, 3.0) * 1000.0).round() / 1000.0
-}
+const ROUNDS: usize = 4;
+/// Blocks of the ground whose mean is compared, in each direction.
+const BLOCK: usize = 5;
 
 /// How unlike a terrain is.
 fn difference(relief: &Relief, like: &Likeness, ground: Option<&Ground>) -> Result<f64> {
@@ -104,7 +135,12 @@ fn difference(relief: &Relief, like: &Likeness, ground: Option<&Ground>) -> Resu
     let slope = Likeness::of(&means, size, cell_m).distance(like) / SLOPE;
     let mean = ground.map_or(0.0, |ground| {
         let sum = |z: &[f32]| z.iter().map(|&z| f64::from(z)).sum::<f64>() / z.len().max(1) as f64;
-        (sum(&means) - sum(&ground.z_m)).abs() / MEAN_M
+        let of_all = (sum(&means) - sum(&ground.z_m)).abs();
+        // Here too high and there too low is not as it should be, either.
+        let blocks = ground.size.map(|count| count.div_ceil(BLOCK));
+        let [own, wanted] = [Ground::of(&means, size, blocks), Ground::of(&ground.z_m, ground.size, blocks)];
+        let apart: f64 = own.z_m.iter().zip(&wanted.z_m).map(|(a, b)| f64::from((a - b).abs())).sum();
+        (of_all + apart / own.z_m.len() as f64) / (2.0 * MEAN_M)
     });
     Ok(slope + mean)
 }

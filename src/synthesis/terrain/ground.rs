@@ -53,4 +53,50 @@ impl Ground {
         }
         Self { size: blocks, z_m }
     }
+
+    /// The ground, raised by some times what another lacks beside it, in the mean of [`WIDE`] by [`WIDE`] blocks.
+    pub(super) fn corrected(&self, other: &Self, times: f32) -> Self {
+        let blocks = self.size.map(|count| count.div_ceil(WIDE));
+        let lacking: Vec<f32> = self.z_m.iter().zip(&other.z_m).map(|(wanted, own)| wanted - own).collect();
+        let lacking = Self::of(&lacking, self.size, blocks);
+        let middle = |at: usize, count: usize| (at as f64 + 0.5) / count as f64;
+        let [rows, cols] = self.size;
+        let raised = |(block, z): (usize, &f32)| {
+            z + times * lacking.at([middle(block / cols, rows), middle(block % cols, cols)])
+        };
+        Self { size: self.size, z_m: self.z_m.iter().enumerate().map(raised).collect() }
+    }
+}
+
+/// Blocks of which one mean is corrected, in each direction.
+const WIDE: usize = 5;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_and_what_is_between() {
+        let cells: Vec<f32> = (0..24).map(|i| (i / 6) as f32 * 10.0 + (i % 6) as f32).collect();
+        let ground = Ground::of(&cells, [4, 6], [2, 3]);
+        assert_eq!(ground.z_m, [5.5, 7.5, 9.5, 25.5, 27.5, 29.5]);
+        // Centres of blocks, the middle, and beyond the outermost centres.
+        assert_eq!(ground.at([0.25, 0.5]), 7.5);
+        assert_eq!(ground.at([0.5, 0.5]), 17.5);
+        assert_eq!(ground.at([0.0, 0.0]), 5.5);
+        assert_eq!(ground.at([1.0, 1.0]), 29.5);
+        let part = ground.part([4, 6], [0, 0], [4, 4]);
+        assert_eq!(part.size, [2, 2]);
+        assert_eq!(part.z_m, [5.5, 7.5, 25.5, 27.5]);
+    }
+
+    #[test]
+    fn corrections_are_of_wide_means() {
+        let wanted = Ground { size: [5, 10], z_m: vec![100.0; 50] };
+        let own = Ground { size: [5, 10], z_m: (0..50).map(|i| if i % 10 < 5 { 90.0 } else { 120.0 }).collect() };
+        let corrected = wanted.corrected(&own, 2.0);
+        // Ten too low in the west, twenty too high in the east.
+        assert_eq!((corrected.z_m[0], corrected.z_m[9]), (120.0, 60.0));
+        assert_eq!(wanted.corrected(&wanted, 2.0), wanted);
+    }
 }
