@@ -10,7 +10,7 @@
 //! 5  pipeline                              jobs from files to files: memory, layers, tags, archives
 //! 4  figures  oro                          what the methods measured, as charts; the .oro container
 //! 3  orometry  dictionary  construction    the methods
-//!    amplify  erosion  synthesis  tin
+//!    amplify  erosion  synthesis  tin  classify
 //!    plot                                  pictures that know no methods
 //! 2  io  codec  noise  linalg              files through GDAL; cells <-> bytes; seeded noise; vectors and matrices
 //! 1  grid  crs                             rasters in memory; where they lie on Earth
@@ -37,6 +37,8 @@
 
 #[cfg(feature = "program")]
 pub mod amplify;
+#[cfg(feature = "program")]
+pub mod classify;
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod codec;

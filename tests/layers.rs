@@ -26,6 +26,7 @@ const LAYERS: &[(&str, u8, &[&str])] = &[
     ("erosion", 3, &[]),
     ("tin", 3, &[]),
     ("plot", 3, &[]),
+    ("classify", 3, &["orometry"]),
     ("amplify", 3, &["dictionary", "construction", "erosion"]),
     ("synthesis", 3, &["orometry", "tin", "erosion"]),
     ("figures", 4, &[]),

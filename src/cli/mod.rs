@@ -1,6 +1,7 @@
 //! The command line: words to calls, results to words. One file a verb.
 
 mod amplify;
+mod classify;
 mod container_info;
 mod container_text;
 mod decode;
@@ -43,6 +44,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Amplify(Box<amplify::Amplify>),
+    Classify(classify::Classify),
     Decode(Box<decode::Decode>),
     Encode(Box<encode::Encode>),
     Info(info::Info),
@@ -72,6 +74,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     match parsed.verb {
         None => report::usage(&clap::Error::new(clap::error::ErrorKind::MissingSubcommand), wants_json),
         Some(Verb::Amplify(verb)) => execute("amplify", &verb.common.clone(), |reporter| verb.run(reporter)),
+        Some(Verb::Classify(verb)) => verb.run(),
         Some(Verb::Decode(verb)) => execute("decode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Encode(verb)) => execute("encode", &verb.common.clone(), |reporter| verb.run(reporter)),
         Some(Verb::Info(verb)) => execute("info", &verb.common.clone(), |reporter| verb.run(reporter)),

@@ -5,6 +5,7 @@ pub mod archive;
 mod backbone;
 mod land;
 mod land_map;
+pub mod classify;
 pub mod layers;
 pub mod map;
 pub mod memory;

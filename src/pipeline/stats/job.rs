@@ -95,25 +95,27 @@ impl StatsJob {
     }
 
     /// The disks on an input with this CRS.
+    pub(super) fn disks(&self, crs: Option<&Crs>) -> Result<Vec<Selection>> {
+        self.disks.iter().map(|words| words.meant(crs)).collect()
+    }
+}
+
+impl DiskWords {
+    /// The disk on an input with this CRS.
     ///
     /// Coordinates are longitude and latitude in a geographic CRS, and in a projected one where they could be.
-    pub(super) fn disks(&self, crs: Option<&Crs>) -> Result<Vec<Selection>> {
-        let disk = |words: &DiskWords| {
-            let DiskWords { name, x, y, radius_m } = words;
-            let is_angle = x.abs() <= 360.0 && y.abs() <= 90.0;
-            let disk = match crs.map(|crs| &crs.kind) {
-                Some(CrsKind::Geographic { ellipsoid, .. }) => Disk::geographic(*x, *y, *radius_m, *ellipsoid)?,
-                Some(CrsKind::Projected { ellipsoid, .. }) if is_angle => {
-                    Disk::geographic(*x, *y, *radius_m, *ellipsoid)?
-                }
-                Some(CrsKind::Projected { metres, .. } | CrsKind::Local { metres }) => {
-                    Disk::planar(*x, *y, *radius_m, *metres)
-                }
-                None => Disk::planar(*x, *y, *radius_m, 1.0),
-            };
-            Ok(Selection::Disk(name.clone(), disk))
+    pub(in super::super) fn meant(&self, crs: Option<&Crs>) -> Result<Selection> {
+        let Self { name, x, y, radius_m } = self;
+        let is_angle = x.abs() <= 360.0 && y.abs() <= 90.0;
+        let disk = match crs.map(|crs| &crs.kind) {
+            Some(CrsKind::Geographic { ellipsoid, .. }) => Disk::geographic(*x, *y, *radius_m, *ellipsoid)?,
+            Some(CrsKind::Projected { ellipsoid, .. }) if is_angle => Disk::geographic(*x, *y, *radius_m, *ellipsoid)?,
+            Some(CrsKind::Projected { metres, .. } | CrsKind::Local { metres }) => {
+                Disk::planar(*x, *y, *radius_m, *metres)
+            }
+            None => Disk::planar(*x, *y, *radius_m, 1.0),
         };
-        self.disks.iter().map(disk).collect()
+        Ok(Selection::Disk(name.clone(), disk))
     }
 }
 

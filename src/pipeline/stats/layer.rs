@@ -2,6 +2,7 @@
 
 use super::super::regions::Regions;
 use super::super::surveying::own_geographic;
+use super::super::tags::TagLayer;
 use super::input::PeaksFile;
 use super::job::StatsJob;
 use crate::crs::{Crs, CrsKind, ToGeographic};
@@ -70,7 +71,7 @@ pub(super) fn measure(job: &StatsJob, file: &PeaksFile, note: &mut dyn FnMut(Str
     }
     place(&mut rows, crs.as_ref())?;
     let mut selections = vec![Selection::Whole];
-    selections.extend(tag(job, crs.as_ref(), &mut rows, note)?.into_iter().map(Selection::Region));
+    selections.extend(tag(job.regions.as_ref(), crs.as_ref(), &mut rows, note)?.into_iter().map(Selection::Region));
     selections.extend(job.disks(crs.as_ref())?);
     let domains = selections
         .iter()
@@ -172,7 +173,7 @@ fn is_true(value: &Value) -> bool {
 }
 
 /// Gives longitudes and latitudes to the peaks of a layer that has none, where its CRS does.
-fn place(peaks: &mut [PeakMeasures], crs: Option<&Crs>) -> Result<()> {
+pub(in super::super) fn place(peaks: &mut [PeakMeasures], crs: Option<&Crs>) -> Result<()> {
     let Some(crs) = crs.filter(|_| peaks.iter().any(|peak| peak.lon.is_none())) else { return Ok(()) };
     let (mut lon, mut lat): (Vec<f64>, Vec<f64>) = match crs.kind {
         CrsKind::Geographic { degrees, .. } => peaks.iter().map(|peak| (peak.x * degrees, peak.y * degrees)).unzip(),
@@ -192,13 +193,13 @@ fn place(peaks: &mut [PeakMeasures], crs: Option<&Crs>) -> Result<()> {
 
 /// Tags the peaks with the regions that were asked for, else leaves them those that they have; returns the names of
 /// the regions that peaks stand in.
-fn tag(
-    job: &StatsJob,
+pub(in super::super) fn tag(
+    wanted: Option<&TagLayer>,
     crs: Option<&Crs>,
     peaks: &mut [PeakMeasures],
     note: &mut dyn FnMut(String),
 ) -> Result<Vec<String>> {
-    let Some(wanted) = &job.regions else { return Ok(region_names(peaks)) };
+    let Some(wanted) = wanted else { return Ok(region_names(peaks)) };
     let regions = Regions::read(wanted, crs, note)?;
     if peaks.iter().any(|peak| !(peak.x.is_finite() && peak.y.is_finite())) {
         return Err(Error::new(

@@ -7,6 +7,6 @@ mod layer;
 mod output;
 
 pub(super) use input::{InputFile, PeaksFile, Reading};
-pub(super) use layer::LayerPeaks;
+pub(super) use layer::{LayerPeaks, place, tag};
 
 pub use job::{DiskWords, DomainComparison, StatsJob, StatsReport, run};
