@@ -180,9 +180,7 @@ fn read_features(
     target_wkt: Option<&str>,
 ) -> Result<Layer> {
     let columns = fields.iter().map(|field| Column::find(source, field)).collect::<Result<Vec<_>>>()?;
-    // A GeoPackage calls no CRS at all by such a name.
-    let is_defined = |crs: &SpatialRef| !crs.name().is_some_and(|name| name.starts_with("Undefined "));
-    let own = source.spatial_ref().filter(is_defined).map(in_xy_order);
+    let own = own_crs(source);
     let target = target_wkt.map(parse_crs).transpose()?;
     let transform = match (&own, &target) {
         (Some(own), Some(target)) if own != target => Some(transform_between(own, target)?),
@@ -272,7 +270,15 @@ impl Column {
     }
 }
 
-pub(super) fn in_xy_order(mut crs: SpatialRef) -> SpatialRef {
+/// The CRS of a layer, if it has one.
+///
+/// A GeoPackage must name one for every layer: by its specification (1.3, clause 1.1.2.1.2) these two stand for none.
+pub(super) fn own_crs(layer: &gdal::vector::Layer<'_>) -> Option<SpatialRef> {
+    let is_none = |name: String| matches!(name.as_str(), "Undefined geographic SRS" | "Undefined Cartesian SRS");
+    layer.spatial_ref().filter(|crs| !crs.name().is_some_and(is_none)).map(in_xy_order)
+}
+
+fn in_xy_order(mut crs: SpatialRef) -> SpatialRef {
     crs.set_axis_mapping_strategy(AxisMappingStrategy::TraditionalGisOrder);
     crs
 }

@@ -2,7 +2,7 @@
 //!
 //! Coordinates are always x, y (easting or longitude first), whatever order the CRS itself declares.
 
-use super::features::{choose_layer, in_xy_order, open, parse_crs, transform_between, wkt2};
+use super::features::{choose_layer, open, own_crs, parse_crs, transform_between, wkt2};
 use super::messages::take_failures;
 use crate::error::{Error, ErrorKind, Result};
 use gdal::spatial_ref::CoordTransform;
@@ -55,7 +55,7 @@ pub fn read_lines(
             at(Error::new(ErrorKind::Input, format!("'{filter}' is no condition on its fields: {said}")))
         })?;
     }
-    let own = source.spatial_ref().map(in_xy_order);
+    let own = own_crs(&source);
     let target = target_wkt.map(parse_crs).transpose()?;
     let transform = match (&own, &target) {
         (Some(own), Some(target)) if own != target => Some(transform_between(own, target).map_err(at)?),

@@ -3,9 +3,9 @@
 pub mod amplify;
 pub mod archive;
 mod backbone;
+pub mod classify;
 mod land;
 mod land_map;
-pub mod classify;
 pub mod layers;
 pub mod map;
 pub mod memory;

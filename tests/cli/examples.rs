@@ -47,6 +47,9 @@ fn they_run() {
     assert!(
         [
             "amplify",
+            "classify",
+            "classify predict",
+            "classify train",
             "decode",
             "encode",
             "info",
@@ -74,9 +77,10 @@ fn they_run() {
             let words: Vec<&str> = example.split_whitespace().skip(1).collect();
             let run = Run::in_folder(dir.path(), &words);
             run.expect(0, "");
-            let is_output = |word: &&&str| !word.contains(',') && Path::new(word).extension().is_some();
-            let outputs = words.iter().filter(|word| !word.starts_with("fixtures/")).filter(is_output);
-            let outputs: Vec<&str> = outputs.copied().collect();
+            // A class is named before its file.
+            let files = words.iter().map(|word| word.split_once('=').map_or(*word, |(_, file)| file));
+            let is_output = |word: &&str| !word.contains(',') && Path::new(word).extension().is_some();
+            let outputs: Vec<&str> = files.filter(|word| !word.starts_with("fixtures/")).filter(is_output).collect();
             for output in &outputs {
                 let bytes = fs::metadata(dir.path().join(output)).map(|file| file.len());
                 run.check(bytes.is_ok_and(|bytes| bytes > 0), &format!("the file {output}"));

@@ -7,6 +7,7 @@ mod archive;
 mod archive_failures;
 mod archive_info;
 mod archive_maps;
+mod classify;
 mod examples;
 mod failures;
 mod interrupt;

@@ -293,3 +293,15 @@ fn answers_by_hand() {
         }
     }
 }
+
+#[test]
+fn a_geopackage_without_a_crs_has_none() {
+    let dir = folder();
+    let out = inside(&dir, "out.gpkg");
+    Run::done(&["peaks", &fixture("no_crs.tif"), &out]);
+    // The format has a word for this, which is not to be taken for longitudes and latitudes.
+    let result = Run::done(&["stats", &out, "--disk", "500000,5200000,100km", "--json"]).json()["result"].clone();
+    let statistics = &result["statistics"][0];
+    assert_eq!(statistics["input"]["crs"], Value::Null);
+    assert_eq!(statistics["domains"][1]["disk"]["geographic"], false);
+}

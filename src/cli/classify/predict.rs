@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// Tell which class the peaks of a layer are like, with the probability of each.
 ///
 /// Disks are laid over the layer, or over each region, as they were when the classifier was trained; probabilities are
-/// the mean of theirs. Single disks can be asked for instead; they have the radius of the training.
+/// the mean of theirs. Single disks can be asked for instead; they have the radius of the training. A synthesised layer
+/// can be put through too, but its isolations, which are those to the nearest higher peak, are somewhat longer.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
     orograph peaks fixtures/jacksboro.tif real.gpkg\n  \

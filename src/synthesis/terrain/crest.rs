@@ -27,8 +27,8 @@ pub(super) struct Crest {
     pub(super) crossings: Vec<[u32; 2]>,
     /// The cells of each ridge, from its saddle to its peak.
     pub(super) lines: Vec<Vec<u32>>,
-    /// What closes the gaps of ridges, in rising order.
-    pub(super) fillers: Vec<u32>,
+    /// What closes the gaps of ridges, in rising order, each with the two cells that it is between.
+    pub(super) fillers: Vec<[u32; 3]>,
 }
 
 impl Crest {
@@ -133,12 +133,27 @@ impl Crest {
                     self.around(corner).filter(strange).count()
                 };
                 let corner = if strangers(corners[1]) < strangers(corners[0]) { corners[1] } else { corners[0] };
-                self.z_m[corner] = self.z_m[a].min(self.z_m[b]) - LOWER_M;
+                self.z_m[corner] = f32::INFINITY;
                 self.ridges[corner] = number as u32;
-                self.fillers.push(corner as u32);
+                self.fillers.push([corner as u32, a as u32, b as u32]);
             }
         }
         self.fillers.sort_unstable();
+        self.settle_fillers();
+    }
+
+    /// Keeps what closes gaps lower than the ridges.
+    pub(super) fn settle_fillers(&mut self) {
+        for &[filler, a, b] in &self.fillers {
+            let below_m = self.z_m[a as usize].min(self.z_m[b as usize]) - LOWER_M;
+            let own = &mut self.z_m[filler as usize];
+            *own = own.min(below_m);
+        }
+    }
+
+    /// Whether a cell closes a gap.
+    pub(super) fn is_filler(&self, cell: u32) -> bool {
+        self.fillers.binary_search_by_key(&cell, |filler| filler[0]).is_ok()
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) fn lower(crest: &mut Crest, skeleton: &Skeleton, heights: &Heights) {
     let cells: Vec<u32> = (0..crest.z_m.len() as u32).filter(|&cell| crest.is(cell as usize)).collect();
     for &cell in &cells {
         let ridge = skeleton.ridges.get(crest.ridges[cell as usize] as usize);
-        let is_filler = crest.fillers.binary_search(&cell).is_ok();
+        let is_filler = crest.is_filler(cell);
         least.push(match ridge {
             _ if is_filler => f32::NEG_INFINITY,
             Some(ridge) => skeleton.ends_m(ridge)[0] as f32,
@@ -54,7 +54,7 @@ pub(super) fn lower(crest: &mut Crest, skeleton: &Skeleton, heights: &Heights) {
                     crest.z_m[cell] = low_m;
                     crest.lowered.push(cell as u32);
                     has_changed = true;
-                    if crest.fillers.binary_search(&(cell as u32)).is_err() {
+                    if !crest.is_filler(cell as u32) {
                         crest.gates.push(cell as u32);
                     }
                 } else if round == 0 {
@@ -93,4 +93,5 @@ fn settle(crest: &mut Crest, skeleton: &Skeleton) {
         }
     }
     crest.lines = lines;
+    crest.settle_fillers();
 }
