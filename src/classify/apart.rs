@@ -97,15 +97,15 @@ mod tests {
 
     #[test]
     fn nothing_that_is_learned_from_touches_what_is_tested() {
-        let apart = Apart { radius_m: 7.0, one_of: 4 };
+        let apart = Apart { radius_m: 5.0, one_of: 4 };
         let all = spots(0, 8, 6, 3.0);
         for direction in Apart::DIRECTIONS {
             let parts = apart.parts(&all, direction);
             let of = |part: Part| all.iter().zip(&parts).filter(move |(_, p)| **p == part).map(|(spot, _)| spot);
             let distance = |a: &Spot, b: &Spot| (a.centre_m[0] - b.centre_m[0]).hypot(a.centre_m[1] - b.centre_m[1]);
             assert!(of(Part::Test).count() >= 12 && of(Part::Learn).count() > 0, "{direction:?}");
-            assert!(of(Part::Learn).all(|a| of(Part::Test).all(|b| distance(a, b) >= 14.0)));
-            assert!(of(Part::Neither).all(|a| of(Part::Test).any(|b| distance(a, b) < 14.0)));
+            assert!(of(Part::Learn).all(|a| of(Part::Test).all(|b| distance(a, b) >= 10.0)));
+            assert!(of(Part::Neither).all(|a| of(Part::Test).any(|b| distance(a, b) < 10.0)));
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Which range a place is in, told from the peaks around it (Argudo et al. 2019, section 4.2).
 //!
-//! [`features`] are the shares of the paper's histograms in a disk. A [`Forest`] of trees ([`Tree`]) is grown on
+//! [`features()`] are the shares of the paper's histograms in a disk. A [`Forest`] of trees ([`Tree`]) is grown on
 //! [`Samples`], which are disks of known classes, and says of another disk how likely each class is. [`Apart`] parts the
 //! disks so that what a forest is tested on shares no ground with what it was grown on, a [`Confusion`] counts what it
 //! took for what, and a [`Model`] is the file that keeps it.
