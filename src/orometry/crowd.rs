@@ -22,6 +22,8 @@ pub struct Crowd<'a, M: ?Sized> {
 const SAMPLED_ROWS: usize = 64;
 /// Shortens that length, as the sample may miss the shortest.
 const SLACK: f64 = 0.98;
+/// Lengthens a squared distance, so that one as long is not taken for longer.
+const ROUNDED: f64 = 1.0 + 1e-9;
 
 impl<'a, M: Metric + ?Sized> Crowd<'a, M> {
     /// An empty crowd on a raster of so many rows and columns that will have about `count` places.
@@ -79,7 +81,8 @@ impl<'a, M: Metric + ?Sized> Crowd<'a, M> {
                     if (0..self.size.1).contains(&c) {
                         for &number in &self.buckets[self.bucket(r, c)] {
                             let other = self.places[number as usize];
-                            if self.metric.near2(place, other) > reach_m * reach_m {
+                            // The square of a rounded root may be less than what it is the root of.
+                            if self.metric.near2(place, other) > reach_m * reach_m * ROUNDED {
                                 continue;
                             }
                             let distance_m = self.metric.distance_m(place, other);
@@ -106,6 +109,16 @@ mod tests {
     use crate::crs::Planar;
     use crate::grid::GeoTransform;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_first_of_places_as_far() {
+        let metric = Planar::new(&GeoTransform([0.0, 10.0, 0.0, 0.0, 0.0, -15.0]), 1.0);
+        let mut crowd = Crowd::new((40, 70), &metric, 35);
+        // Both 30 by 60 m away, and the root of 4500 is no number of the machine's; the second one's bucket comes first.
+        crowd.add((9, 62));
+        crowd.add((3, 65));
+        assert_eq!(crowd.nearest((5, 59), 0.0, 158.0), Some((4500_f64.sqrt(), 0)));
+    }
 
     proptest! {
         #[test]
