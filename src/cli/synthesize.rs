@@ -25,7 +25,7 @@ use std::path::PathBuf;
 /// the layers that `orograph peaks` writes, styled for QGIS. Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
-    orograph synthesize mountains.tif --tree mountains.gpkg --like fixtures/jacksboro.tif --resolution 100m\n  \
+    orograph synthesize new.tif --tree new.gpkg --like fixtures/jacksboro.tif --resolution 100m\n  \
     orograph synthesize tree.gpkg --tree-only --like fixtures/jacksboro.tif --seed 1\n  \
     orograph synthesize more.gpkg --tree-only --like tree.gpkg --peaks 300 --seed 2")]
 pub(super) struct Synthesize {
