@@ -6,6 +6,7 @@ use super::disks::Laying;
 use super::ranges::{LayerOptions, PeaksInput, Range};
 use crate::classify::Model;
 use crate::error::{Error, ErrorKind, Result};
+use crate::io::text::read_text;
 use crate::orometry::distributions::Selection;
 use crate::watch::Watch;
 use std::path::PathBuf;
@@ -78,13 +79,7 @@ impl Answer {
 /// Anything that is wrong with the classifier, the peaks or the options.
 pub fn predict(job: &PredictJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<PredictReport> {
     let mut note = |text: String| warn(&text);
-    let text = std::fs::read_to_string(&job.model).map_err(|error| {
-        let message = match error.kind() {
-            std::io::ErrorKind::NotFound => "no such file; check the path".into(),
-            _ => format!("it cannot be read: {error}"),
-        };
-        Error::new(ErrorKind::Input, message).at_path(&job.model)
-    })?;
+    let text = read_text(&job.model)?;
     let model = Model::from_json(&text).map_err(|error| error.at_path(&job.model))?;
     let conditions = model.conditions;
     let options = LayerOptions {

@@ -4,6 +4,7 @@ use super::super::archive::open_dem;
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::features::{LayerSummary, list_layers};
 use crate::io::raster::{RasterOptions, RasterSource};
+use crate::io::text::read_text;
 use crate::orometry::distributions::{STATS_FORMAT, StatsDocument};
 use crate::watch::Watch;
 use std::path::{Path, PathBuf};
@@ -49,13 +50,7 @@ impl InputFile {
     pub(in super::super) fn open(path: &Path, reading: &Reading<'_>, watch: &Watch) -> Result<Self> {
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
         if extension == "json" {
-            let text = std::fs::read_to_string(path).map_err(|error| {
-                let message = match error.kind() {
-                    std::io::ErrorKind::NotFound => "no such file; check the path".into(),
-                    _ => format!("it cannot be read: {error}"),
-                };
-                Error::new(ErrorKind::Input, message).at_path(path)
-            })?;
+            let text = read_text(path)?;
             // GeoJSON has this extension too.
             if text.contains(STATS_FORMAT) || !text.contains("\"Feature") {
                 let document = StatsDocument::from_json(&text).map_err(|error| error.at_path(path))?;

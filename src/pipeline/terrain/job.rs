@@ -6,7 +6,7 @@ use super::super::surveying::own_geographic;
 use super::drawn::DrawnTree;
 use super::ground::read_ground;
 use super::layers::read_layers;
-use super::text::read_text;
+use super::text::read_tree;
 use super::write::{RasterOutput, TerrainTarget};
 use crate::crs::Crs;
 use crate::error::Result;
@@ -73,7 +73,7 @@ pub struct TerrainReport {
 pub fn run(job: &TerrainJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<TerrainReport> {
     let begun = Instant::now();
     let extension = job.tree.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let mut tree = if extension == "txt" { read_text(&job.tree)? } else { read_layers(&job.tree)? };
+    let mut tree = if extension == "txt" { read_tree(&job.tree)? } else { read_layers(&job.tree)? };
     if tree.crs.is_none() {
         tree.crs = job.crs.as_deref().map(parse_crs).transpose()?;
     } else if job.crs.is_some() {

@@ -7,6 +7,7 @@
 
 use super::drawn::{DrawnLine, DrawnSpot, DrawnTree};
 use crate::error::{Error, ErrorKind, Result};
+use crate::io::text::read_text;
 use crate::units::FOOT_M;
 use std::path::Path;
 
@@ -17,15 +18,8 @@ const SECOND_M: f64 = 30.87;
 ///
 /// # Errors
 /// A text that is none, with the line.
-pub(super) fn read_text(path: &Path) -> Result<DrawnTree> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        let message = match error.kind() {
-            std::io::ErrorKind::NotFound => "no such file; check the path".into(),
-            _ => format!("it cannot be read: {error}"),
-        };
-        Error::new(ErrorKind::Input, message).at_path(path)
-    })?;
-    parse(&text).map_err(|error| error.at_path(path))
+pub(super) fn read_tree(path: &Path) -> Result<DrawnTree> {
+    parse(&read_text(path)?).map_err(|error| error.at_path(path))
 }
 
 fn parse(text: &str) -> Result<DrawnTree> {
