@@ -2,7 +2,7 @@
 
 #![cfg(feature = "program")]
 
-use orograph::erosion::{Anchors, Drainage, Relief, incise, slide};
+use orograph::erosion::{Anchors, Drainage, Relief, breach, fill, incise, slide};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -78,6 +78,30 @@ proptest! {
         for (cell, (a, b)) in levels.iter().zip(filled(&relief)).enumerate() {
             prop_assert!(a.to_bits() == b.to_bits(), "cell {cell} fills to {a}, not {b}");
         }
+        let bits = |levels: &[f32]| levels.iter().map(|z| z.to_bits()).collect::<Vec<u32>>();
+        prop_assert_eq!(bits(&fill(&relief)), bits(&levels));
+    }
+
+    #[test]
+    fn no_cell_is_higher_than_one_whose_water_passes(
+        relief in reliefs(),
+        fast in prop::collection::vec((0..3, -20..40_i32), 64),
+    ) {
+        // Where water goes is as the relief has it; some cells stand fast at other heights.
+        let cells = 0..relief.z_m().len();
+        let fast_m: Vec<f32> = cells.zip(&fast).map(|(cell, &(kind, z))| {
+            if kind == 0 && !relief.z_m()[cell].is_nan() { z as f32 } else { f32::NAN }
+        }).collect();
+        let drainage = Drainage::of(&relief);
+        let mut wanted: Vec<f32> =
+            relief.z_m().iter().zip(&fast_m).map(|(&z, &fast)| if fast.is_nan() { z } else { fast }).collect();
+        for &cell in drainage.order().iter().rev() {
+            if let Some(receiver) = drainage.receiver(cell as usize).filter(|&receiver| fast_m[receiver].is_nan()) {
+                wanted[receiver] = wanted[receiver].min(wanted[cell as usize]);
+            }
+        }
+        let bits = |z: &[f32]| z.iter().map(|z| z.to_bits()).collect::<Vec<u32>>();
+        prop_assert_eq!(bits(&breach(relief, &fast_m)), bits(&wanted));
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! Depressions find their way out.
 
-use super::drainage::{OUT, PIT};
+use super::drainage::{OUT, PIT, climb};
 use super::relief::Relief;
 use crate::components::root;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The basin of all cells whose water leaves, and of voids.
 const OUTSIDE: u32 = 0;
 /// Rows that are looked through at once.
 const BAND: usize = 64;
+/// Pits whose basins are followed at once.
+const PITS: usize = 256;
 
 /// A way from one basin into another over two neighbouring cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -20,61 +23,108 @@ struct Pass {
     direction: u8,
 }
 
-/// Lets the water of each pit go on over the pass that lies lowest on its way out.
-///
-/// `order` holds the cells of each basin one after the other, a pit or outlet first. Passes are taken from the lowest
-/// up, as Kruskal does, so the way of each pit is one whose highest point is the lowest.
-pub(super) fn join(relief: &Relief, towards: &mut [u8], order: &[u32]) {
-    let (steps, mut basin_of) = (relief.steps(), vec![OUTSIDE; towards.len()]);
-    let (mut basin, mut pits) = (OUTSIDE, vec![u32::MAX]);
-    for &cell in order {
-        match towards[cell as usize] {
-            OUT => basin = OUTSIDE,
-            PIT => {
-                basin = pits.len() as u32;
-                pits.push(cell);
+/// The way out of a basin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// The basin.
+    pub(super) basin: u32,
+    /// The basin beyond, or the outside.
+    pub(super) beyond: u32,
+    /// Elevation of the pass in metres: that of the higher of its two cells.
+    pub(super) top_m: f32,
+    /// The basin's own cell at the pass, and the direction of the other.
+    pub(super) cell: u32,
+    pub(super) direction: u8,
+}
+
+/// The depressions of a terrain, by the cells that drain to the same pit.
+pub(super) struct Basins {
+    /// The basin of each cell; 0 is the outside.
+    pub(super) of: Vec<u32>,
+    /// The pit of each basin; the outside has none.
+    pub(super) pits: Vec<u32>,
+    /// The way out of each basin over the pass that lies lowest on it, each after that of the basin beyond.
+    ///
+    /// A basin from which there is no way has none; on a raster there is always one.
+    pub(super) ways: Vec<Way>,
+}
+
+impl Basins {
+    /// The depressions of a terrain whose cells drain `towards` their steepest neighbours.
+    ///
+    /// Passes are taken from the lowest up, as Kruskal does, so the way of each pit is one whose highest point is the
+    /// lowest.
+    ///
+    /// # Complexity
+    /// O(n) for n cells, and O(b log b) for the b pairs of neighbours on the borders between depressions.
+    pub(super) fn of(relief: &Relief, towards: &[u8]) -> Self {
+        let mut pits = vec![u32::MAX];
+        pits.extend((0..).zip(towards).filter(|(_, to)| **to == PIT).map(|(cell, _)| cell));
+        if pits.len() == 1 {
+            return Self { of: vec![OUTSIDE; towards.len()], pits, ways: vec![] };
+        }
+        let basin_of = labels(relief, towards, &pits[1..]);
+        let steps = relief.steps();
+        let other = |pass: &Pass| (pass.cell as usize).wrapping_add_signed(steps[pass.direction as usize]);
+        let mut parents: Vec<u32> = (0..pits.len() as u32).collect();
+        let mut joins: Vec<[(u32, Pass); 2]> = vec![];
+        let mut starts = vec![0_u32; pits.len() + 1];
+        for pass in passes(relief, &basin_of) {
+            let [a, b] = [basin_of[pass.cell as usize], basin_of[other(&pass)]];
+            let (root_a, root_b) = (root(&mut parents, a), root(&mut parents, b));
+            if root_a != root_b {
+                parents[root_a.max(root_b) as usize] = root_a.min(root_b);
+                joins.push([(b, pass), (a, pass)]);
+                [a, b].into_iter().for_each(|end| starts[end as usize + 1] += 1);
             }
-            _ => {}
+            if joins.len() + 1 == pits.len() {
+                break;
+            }
         }
-        basin_of[cell as usize] = basin;
+        // Neighbours of each basin in the tree, one list after the other.
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut next = starts.clone();
+        let mut near = vec![None; 2 * joins.len()];
+        for [(b, pass), (a, _)] in joins {
+            for (from, to) in [(a, b), (b, a)] {
+                near[next[from as usize] as usize] = Some((to, pass));
+                next[from as usize] += 1;
+            }
+        }
+        let mut ways = Vec::with_capacity(pits.len() - 1);
+        let mut open = vec![(OUTSIDE, OUTSIDE)];
+        while let Some((basin, before)) = open.pop() {
+            let list = starts[basin as usize] as usize..starts[basin as usize + 1] as usize;
+            for &(inner, pass) in near[list].iter().flatten().filter(|(inner, _)| *inner != before) {
+                let is_first = basin_of[pass.cell as usize] == inner;
+                let (cell, direction) =
+                    if is_first { (pass.cell, pass.direction) } else { (other(&pass) as u32, 7 - pass.direction) };
+                let top_m = relief.z_m()[pass.cell as usize].max(relief.z_m()[other(&pass)]);
+                ways.push(Way { basin: inner, beyond: basin, top_m, cell, direction });
+                open.push((inner, basin));
+            }
+        }
+        Self { of: basin_of, pits, ways }
     }
-    let mut parents: Vec<u32> = (0..pits.len() as u32).collect();
-    let mut ways: Vec<[(u32, Pass); 2]> = vec![];
-    let mut starts = vec![0_u32; pits.len() + 1];
-    let other = |pass: &Pass| (pass.cell as usize).wrapping_add_signed(steps[pass.direction as usize]);
-    for pass in passes(relief, &basin_of) {
-        let [a, b] = [basin_of[pass.cell as usize], basin_of[other(&pass)]];
-        let (root_a, root_b) = (root(&mut parents, a), root(&mut parents, b));
-        if root_a != root_b {
-            parents[root_a.max(root_b) as usize] = root_a.min(root_b);
-            ways.push([(b, pass), (a, pass)]);
-            [a, b].into_iter().for_each(|end| starts[end as usize + 1] += 1);
-        }
-        if ways.len() + 1 == pits.len() {
-            break;
-        }
+
+    /// Lets the water of each pit go on over its way out.
+    pub(super) fn join(&self, relief: &Relief, towards: &mut [u8]) {
+        let steps = relief.steps();
+        self.ways.iter().for_each(|way| turn(towards, steps, way.cell as usize, way.direction));
     }
-    // Neighbours of each basin in the tree, one list after the other.
-    (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-    let mut next = starts.clone();
-    let mut near = vec![None; 2 * ways.len()];
-    for [(b, pass), (a, _)] in ways {
-        for (from, to) in [(a, b), (b, a)] {
-            near[next[from as usize] as usize] = Some((to, pass));
-            next[from as usize] += 1;
-        }
-    }
-    let mut open = vec![(OUTSIDE, OUTSIDE)];
-    while let Some((basin, before)) = open.pop() {
-        let list = starts[basin as usize] as usize..starts[basin as usize + 1] as usize;
-        for &(inner, pass) in near[list].iter().flatten().filter(|(inner, _)| *inner != before) {
-            let is_first = basin_of[pass.cell as usize] == inner;
-            let (cell, direction) =
-                if is_first { (pass.cell as usize, pass.direction) } else { (other(&pass), 7 - pass.direction) };
-            turn(towards, steps, cell, direction);
-            open.push((inner, basin));
-        }
-    }
+}
+
+/// The basin of each cell.
+fn labels(relief: &Relief, towards: &[u8], pits: &[u32]) -> Vec<u32> {
+    // Each cell belongs to one basin, so nothing depends on who comes first.
+    let labels: Vec<AtomicU32> = (0..towards.len()).into_par_iter().map(|_| AtomicU32::new(OUTSIDE)).collect();
+    pits.par_iter().zip(1_u32..pits.len() as u32 + 1).with_min_len(PITS).for_each_init(
+        Vec::new,
+        |open, (&pit, basin)| {
+            climb(relief, towards, pit, open, |cell| labels[cell as usize].store(basin, Ordering::Relaxed));
+        },
+    );
+    labels.into_par_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// The passes between basins, lowest first.

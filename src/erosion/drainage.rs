@@ -1,6 +1,6 @@
 //! To which neighbour the water of each cell goes.
 
-use super::basins;
+use super::basins::Basins;
 use super::relief::Relief;
 use rayon::prelude::*;
 
@@ -33,15 +33,10 @@ impl Drainage {
     /// O(n) for n cells, and O(b log b) for the b pairs of neighbours on the borders between depressions.
     pub fn of(relief: &Relief) -> Self {
         let mut towards = downhill(relief);
+        Basins::of(relief, &towards).join(relief, &mut towards);
+        let outlets: Vec<u32> = (0..).zip(&towards).filter(|(_, to)| **to == OUT).map(|(cell, _)| cell).collect();
+        let order = upstream(relief, &towards, &outlets);
         let steps = relief.steps();
-        let roots: Vec<u32> = (0..).zip(&towards).filter(|(_, to)| matches!(**to, OUT | PIT)).map(|(i, _)| i).collect();
-        let has_pits = roots.iter().any(|&root| towards[root as usize] == PIT);
-        let mut order = upstream(relief, &towards, roots.iter().copied());
-        if has_pits {
-            basins::join(relief, &mut towards, &order);
-            let outlets = roots.into_iter().filter(|&root| towards[root as usize] == OUT).collect::<Vec<_>>();
-            order = upstream(relief, &towards, outlets.into_iter());
-        }
         Self { towards, order, steps }
     }
 
@@ -94,7 +89,7 @@ impl Drainage {
 }
 
 /// The direction of the steepest way down of each cell.
-fn downhill(relief: &Relief) -> Vec<u8> {
+pub(super) fn downhill(relief: &Relief) -> Vec<u8> {
     let (cols, z) = (relief.cols(), relief.z_m());
     let mut towards = vec![VOID; z.len()];
     if z.is_empty() {
@@ -131,35 +126,46 @@ fn downhill(relief: &Relief) -> Vec<u8> {
     towards
 }
 
+/// Parts in which ways are followed, as many for any number of threads.
+const PARTS: usize = 256;
+
 /// The cells that drain to some roots, each after the one that it drains to.
-fn upstream(relief: &Relief, towards: &[u8], roots: impl Iterator<Item = u32>) -> Vec<u32> {
+fn upstream(relief: &Relief, towards: &[u8], roots: &[u32]) -> Vec<u32> {
+    let part = |roots: &[u32]| {
+        let (mut order, mut open) = (vec![], vec![]);
+        roots.iter().for_each(|&root| climb(relief, towards, root, &mut open, |cell| order.push(cell)));
+        order
+    };
+    let parts: Vec<Vec<u32>> = roots.par_chunks(roots.len().div_ceil(PARTS).max(1)).map(part).collect();
+    let mut order = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+    parts.into_iter().for_each(|part| order.extend_from_slice(&part));
+    order
+}
+
+/// Visits the cells that drain to a root, each after the one that it drains to; `open` is room to work in.
+pub(super) fn climb(relief: &Relief, towards: &[u8], root: u32, open: &mut Vec<u32>, mut visit: impl FnMut(u32)) {
     let steps = relief.steps();
-    let mut order = Vec::with_capacity(towards.len());
-    let mut open: Vec<u32> = vec![];
-    for root in roots {
-        open.push(root);
-        while let Some(cell) = open.pop() {
-            order.push(cell);
-            let here = cell as usize;
-            let mut give = |k: usize| {
-                let giver = here.wrapping_add_signed(steps[k]);
-                if towards[giver] == 7 - k as u8 {
-                    open.push(giver as u32);
-                }
-            };
-            if !relief.is_at_edge(here) {
-                (0..8).for_each(give);
-                continue;
+    open.push(root);
+    while let Some(cell) = open.pop() {
+        visit(cell);
+        let here = cell as usize;
+        let mut give = |k: usize| {
+            let giver = here.wrapping_add_signed(steps[k]);
+            if towards[giver] == 7 - k as u8 {
+                open.push(giver as u32);
             }
-            let (row, col) = (here / relief.cols(), here % relief.cols());
-            for (k, (down, right)) in crate::grid::neighbours::OFFSETS.into_iter().enumerate() {
-                let row = row.checked_add_signed(down).filter(|&row| row < relief.rows());
-                let col = col.checked_add_signed(right).filter(|&col| col < relief.cols());
-                if row.is_some() && col.is_some() {
-                    give(k);
-                }
+        };
+        if !relief.is_at_edge(here) {
+            (0..8).for_each(give);
+            continue;
+        }
+        let (row, col) = (here / relief.cols(), here % relief.cols());
+        for (k, (down, right)) in crate::grid::neighbours::OFFSETS.into_iter().enumerate() {
+            let row = row.checked_add_signed(down).filter(|&row| row < relief.rows());
+            let col = col.checked_add_signed(right).filter(|&col| col < relief.cols());
+            if row.is_some() && col.is_some() {
+                give(k);
             }
         }
     }
-    order
 }
