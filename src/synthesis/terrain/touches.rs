@@ -81,13 +81,11 @@ fn settle(crest: &mut Crest, skeleton: &Skeleton) {
     let lines = std::mem::take(&mut crest.lines);
     for (ridge, line) in skeleton.ridges.iter().zip(&lines) {
         let mut above_m = f32::INFINITY;
-        let saddle_m = skeleton.ends_m(ridge)[0] as f32;
         for &cell in line.iter().rev() {
             let cell = cell as usize;
-            let own = skeleton.ridges.get(crest.ridges[cell] as usize);
-            if own.is_some_and(|own| own.peak == ridge.peak) && crest.z_m[cell] > above_m {
-                let own_m = own.map_or(saddle_m, |own| skeleton.ends_m(own)[0] as f32);
-                crest.z_m[cell] = above_m.max(own_m);
+            let own = skeleton.ridges.get(crest.ridges[cell] as usize).filter(|own| own.peak == ridge.peak);
+            if let Some(own) = own.filter(|_| crest.z_m[cell] > above_m) {
+                crest.z_m[cell] = above_m.max(skeleton.ends_m(own)[0] as f32);
             }
             above_m = above_m.min(crest.z_m[cell]);
         }
