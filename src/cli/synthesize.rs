@@ -132,10 +132,7 @@ impl Synthesize {
     fn terrain(&self) -> Result<TerrainPart> {
         Ok(TerrainPart {
             output: self.shape.output(&self.output, self.out.overwrite)?,
-            ground_map: self.shape.ground_map.clone(),
-            floor_m: self.shape.floor_m()?,
-            slope: self.shape.slope()?,
-            options: self.shape.terrain(self.seed)?,
+            shape: self.shape.shape(self.seed)?,
         })
     }
 
@@ -253,9 +250,10 @@ fn json(report: &SynthesizeReport) -> Value {
         "peaks_without_room_at_their_isolation": report.misplaced,
         "peaks_without_a_drawn_prominence": report.misjudged,
         "ranges": ranges,
-        "slope": report.raised.map(|shape| shape[0]),
-        "plains_depth": report.raised.map(|shape| shape[1]),
-        "roughness": report.raised.map(|shape| shape[2]),
+        "slope": report.raised.as_ref().map(|options| options.slope),
+        "plains_depth": report.raised.as_ref().map(|options| options.depth),
+        "roughness": report.raised.as_ref().map(|options| options.roughness),
+        "curvature_per_m": report.raised.as_ref().map(|options| options.curvature),
         "seconds": { "measure": measured, "synthesize": tree, "terrain": terrain, "write": written },
     })
 }

@@ -67,9 +67,7 @@ impl Terrain {
             crs: self.crs.clone(),
             bbox: four("--bbox", self.bbox.as_deref())?,
             resolution_m,
-            ground_map: self.shape.ground_map.clone(),
-            floor_m: self.shape.floor_m()?,
-            options: self.shape.terrain(self.seed)?,
+            shape: self.shape.shape(self.seed)?,
             memory: self.memory.bytes()?,
             command: self.words().join(" "),
         })

@@ -3,8 +3,7 @@
 use super::shared::creation_option;
 use super::wrong_value;
 use crate::error::{Error, Result};
-use crate::pipeline::terrain::RasterOutput;
-use crate::synthesis::terrain::TerrainOptions;
+use crate::pipeline::terrain::{RasterOutput, TerrainShape};
 use crate::units::parse_length_m;
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -15,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct ShapeOptions {
     /// Raster of how high the land is in the mean, over all of it: any coarse DEM.
     #[arg(long, value_name = "RASTER")]
-    pub(super) ground_map: Option<PathBuf>,
+    ground_map: Option<PathBuf>,
     /// Elevation of the plains where there is no --ground-map; that of the lowest saddle unless given.
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "ground_map")]
     floor: Option<String>,
@@ -26,6 +25,10 @@ pub(super) struct ShapeOptions {
     /// --slope left out, unless given.
     #[arg(long, value_name = "SLOPE")]
     roughness: Option<f64>,
+    /// How much the slope between ridges and valleys changes per metre, 0 for none: small hills grow round; 0.0005, or as a
+    /// DEM of --like has it with --slope left out, unless given.
+    #[arg(long, value_name = "1/M")]
+    curvature: Option<f64>,
     /// GDAL's name of the terrain's format; after the extension unless given.
     #[arg(long = "of", value_name = "FORMAT")]
     format: Option<String>,
@@ -41,6 +44,7 @@ impl ShapeOptions {
             || self.floor.is_some()
             || self.slope.is_some()
             || self.roughness.is_some()
+            || self.curvature.is_some()
             || self.format.is_some()
             || !self.options.is_empty()
     }
@@ -55,29 +59,26 @@ impl ShapeOptions {
         })
     }
 
-    /// Elevation of plains in metres.
-    pub(super) fn floor_m(&self) -> Result<Option<f64>> {
-        self.floor.as_deref().map(|text| parse_length_m(text).map_err(|e| wrong_value("--floor", &e))).transpose()
-    }
-
-    /// Slope of the ground.
-    pub(super) fn slope(&self) -> Result<Option<f64>> {
-        match self.slope {
-            Some(slope) if !(slope > 0.0 && slope <= 10.0) => {
-                Err(Error::usage(format!("--slope {slope}: expected a rise over a run between 0 and 10")))
-            }
-            slope => Ok(slope),
+    /// How terrain is shaped.
+    pub(super) fn shape(&self, seed: u64) -> Result<TerrainShape> {
+        let floor = self.floor.as_deref();
+        if let Some(slope) = self.slope.filter(|slope| !(*slope > 0.0 && *slope <= 10.0)) {
+            return Err(Error::usage(format!("--slope {slope}: expected a rise over a run between 0 and 10")));
         }
-    }
-
-    /// What else there is.
-    pub(super) fn terrain(&self, seed: u64) -> Result<TerrainOptions> {
-        let roughness = self.roughness.unwrap_or(TerrainOptions::default().roughness);
-        if !(0.0..=1.0).contains(&roughness) {
+        if let Some(roughness) = self.roughness.filter(|roughness| !(0.0..=1.0).contains(roughness)) {
             return Err(Error::usage(format!("--roughness {roughness}: expected a rise over a run from 0 to 1")));
         }
-        let slope = self.slope()?.unwrap_or(TerrainOptions::default().slope);
-        Ok(TerrainOptions { roughness, slope, seed, ..TerrainOptions::default() })
+        if let Some(curvature) = self.curvature.filter(|curvature| !(0.0..=0.1).contains(curvature)) {
+            return Err(Error::usage(format!("--curvature {curvature}: expected a slope per metre from 0 to 0.1")));
+        }
+        Ok(TerrainShape {
+            ground_map: self.ground_map.clone(),
+            floor_m: floor.map(|text| parse_length_m(text).map_err(|e| wrong_value("--floor", &e))).transpose()?,
+            slope: self.slope,
+            roughness: self.roughness,
+            curvature: self.curvature,
+            seed,
+        })
     }
 
     /// The options as words of a command, those that change results.
@@ -90,6 +91,7 @@ impl ShapeOptions {
         put("--floor", self.floor.clone());
         put("--slope", self.slope.map(|slope| slope.to_string()));
         put("--roughness", self.roughness.map(|roughness| roughness.to_string()));
+        put("--curvature", self.curvature.map(|curvature| curvature.to_string()));
         words
     }
 }

@@ -1,7 +1,6 @@
 //! Land that is to be made: a raster that is in no file yet.
 
-use super::metric::{AnyMetric, Distance, metric_on};
-use crate::crs::Metric;
+use super::metric::{AnyMetric, Distance, cell_m, metric_on};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::GeoTransform;
@@ -73,7 +72,6 @@ impl Land {
 
     /// Width and height of a cell in the middle of the land, in metres.
     pub(super) fn cell_m(&self, metric: &AnyMetric<'_>) -> [f64; 2] {
-        let middle = self.rows as i64 / 2;
-        [metric.distance_m((middle, 0), (middle, 1)), metric.distance_m((middle, 0), (middle + 1, 0))]
+        cell_m(self.rows, metric)
     }
 }

@@ -74,6 +74,12 @@ pub(super) fn metric_on<'a>(
     }
 }
 
+/// Width and height of a cell in the middle of a raster of so many rows, in metres.
+pub(super) fn cell_m(rows: usize, metric: &impl Metric) -> [f64; 2] {
+    let middle = rows as i64 / 2;
+    [metric.distance_m((middle, 0), (middle, 1)), metric.distance_m((middle, 0), (middle + 1, 0))]
+}
+
 impl Metric for AnyMetric<'_> {
     fn distance_m(&self, p: Place, q: Place) -> f64 {
         with_metric!(self, metric => metric.distance_m(p, q))

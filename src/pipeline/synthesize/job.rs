@@ -5,7 +5,7 @@ use super::super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput,
 use super::super::memory;
 use super::super::metric::AnyMetric;
 use super::super::surveying::own_geographic;
-use super::super::terrain::{RasterOutput, TerrainTarget, read_ground, tell_crossings};
+use super::super::terrain::{RasterOutput, TerrainShape, TerrainTarget, tell_crossings};
 use super::maps::Maps;
 use super::range::{Range, RangeOptions};
 use crate::erosion::Relief;
@@ -14,7 +14,7 @@ use crate::io::raster::parse_crs;
 use crate::io::vector::{Table, Writer};
 use crate::orometry::distributions::{BinSet, Comparison, Domain, PeakMeasures, Selection, compare};
 use crate::orometry::{Survey, survey_tree};
-use crate::synthesis::terrain::{Raised, Skeleton, TerrainOptions, fit, raise};
+use crate::synthesis::terrain::{Raised, Skeleton, TerrainOptions, raise};
 use crate::synthesis::{Extent, Synthesis, SynthesisOptions, Target, peak_counts, synthesize};
 use crate::watch::Watch;
 use std::path::PathBuf;
@@ -64,14 +64,8 @@ pub struct SynthesizeJob {
 pub struct TerrainPart {
     /// Where to write.
     pub output: RasterOutput,
-    /// A raster of how high the land is in the mean.
-    pub ground_map: Option<PathBuf>,
-    /// Elevation of plains in metres where no ground is known; the lowest saddle's unless given.
-    pub floor_m: Option<f64>,
-    /// Slope of the ground, rise over run; from the range where that is a DEM unless given.
-    pub slope: Option<f64>,
-    /// Roughness and seed; the rest comes from the job.
-    pub options: TerrainOptions,
+    /// How it is shaped: where it is not said, as steep and as rough as the first range if that is a DEM.
+    pub shape: TerrainShape,
 }
 
 /// What was done.
@@ -91,8 +85,8 @@ pub struct SynthesizeReport {
     pub misjudged: usize,
     /// The files written.
     pub outputs: Vec<PathBuf>,
-    /// Slope of the ground, share of the plains' depth, and roughness, where terrain was raised.
-    pub raised: Option<[f64; 3]>,
+    /// How terrain was raised, if it was.
+    pub raised: Option<TerrainOptions>,
     /// How long measuring the ranges, making the tree, raising terrain and writing took.
     pub times: [Duration; 4],
 }
@@ -129,8 +123,16 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         layer: job.layer.as_deref(),
         domain: job.domain.as_deref(),
         memory: job.memory,
+        likeness_side_m: None,
     };
-    let ranges = job.like.iter().map(|path| reading.read(path, watch, &mut note)).collect::<Result<Vec<Range>>>()?;
+    // The first range is what terrain is like, unless it is said how steep that is.
+    let is_like = job.terrain.as_ref().is_some_and(|part| part.shape.slope.is_none());
+    let first = RangeOptions { likeness_side_m: is_like.then_some(job.resolution_m), ..reading };
+    let ranges = job.like.iter().enumerate().map(|(number, path)| {
+        let reading = if number == 0 { &first } else { &reading };
+        reading.read(path, watch, &mut note)
+    });
+    let ranges = ranges.collect::<Result<Vec<Range>>>()?;
     let first = ranges.first().ok_or_else(|| Error::usage("--like names no range"))?;
     let land = land(first, job)?;
     let maps = Maps {
@@ -179,9 +181,9 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         writer.write(&views, land.crs.as_ref(), &metadata, watch)?;
     }
     let mut options = None;
-    if let Some(Waiting { target, relief, shape }) = raised {
+    if let Some(Waiting { target, relief, options: chosen }) = raised {
         outputs.extend(target.write(relief, watch, &mut |text| note(text.to_string()))?);
-        options = Some(shape);
+        options = Some(chosen);
     }
     Ok(SynthesizeReport {
         size: land.size(),
@@ -221,7 +223,7 @@ fn land(range: &Range, job: &SynthesizeJob) -> Result<Land> {
 struct Waiting {
     target: TerrainTarget,
     relief: Relief,
-    shape: [f64; 3],
+    options: TerrainOptions,
 }
 
 /// Raises terrain on a tree.
@@ -237,26 +239,14 @@ fn raised(
     watch: &Watch,
     note: &mut dyn FnMut(String),
 ) -> Result<Waiting> {
-    let cells = land.rows as u64 * land.cols as u64;
-    memory::admit_or(
-        memory::terrain_bytes(cells),
-        job.memory.unwrap_or_else(memory::free_bytes),
-        "give a smaller --bbox or a coarser --resolution",
-    )?;
     let target = TerrainTarget::begin(&part.output, land, metadata)?;
     let skeleton = Skeleton::of_tree(&made.tree, cell_m, job.options.seed);
-    let ground = part.ground_map.as_ref().map(|path| read_ground(path, land, cell_m, job.memory, watch)).transpose()?;
-    let lowest_m = skeleton.saddles.iter().chain(&skeleton.peaks).map(|spot| spot.elevation_m).reduce(f64::min);
-    let floor_m = part.floor_m.or(lowest_m).unwrap_or(0.0);
-    let mut options = TerrainOptions { ground, floor_m, seed: job.options.seed, ..part.options.clone() };
-    match (part.slope, &range.likeness) {
-        (Some(slope), _) => options.slope = slope,
-        (None, Some(likeness)) => options = fit(&skeleton, &options, likeness, watch)?,
-        (None, None) => {}
-    }
+    // Whoever says how steep the ground is gets it as it is: nothing is chosen.
+    let like = range.likeness.as_ref().filter(|_| part.shape.slope.is_none());
+    let options = part.shape.options(&skeleton, land, like, job.memory, watch)?;
     let Raised { relief, crossings } = raise(&skeleton, &options, watch)?;
     tell_crossings(&skeleton, land, &crossings, &mut |text| note(text.to_string()));
-    Ok(Waiting { target, relief, shape: [options.slope, options.depth, options.roughness] })
+    Ok(Waiting { target, relief, options })
 }
 
 /// Holds what was made against the ranges.

@@ -1,6 +1,6 @@
 //! A range to be like: a DEM, a layer of peaks, or a statistics file.
 
-use super::super::metric::{Distance, metric_of, metric_on};
+use super::super::metric::{Distance, cell_m, metric_of, metric_on};
 use super::super::stats::{InputFile, LayerPeaks, PeaksFile, Reading};
 use super::super::surveying::{Surveying, own_geographic};
 use crate::crs::{Crs, Metric, Place};
@@ -26,7 +26,7 @@ pub(super) struct Range {
     pub(super) target: Target,
     /// Where it is, unless it is a statistics file.
     pub(super) place: Option<RangePlace>,
-    /// How steep it is, where it is a DEM.
+    /// How steep it is, where it is a DEM and that was asked for.
     pub(super) likeness: Option<Likeness>,
 }
 
@@ -39,6 +39,7 @@ pub(super) struct RangePlace {
 }
 
 /// How to read ranges.
+#[derive(Clone, Copy)]
 pub(super) struct RangeOptions<'a> {
     /// Least prominence in metres of the peaks that count; 30 m for a DEM unless given.
     pub(super) min_prominence_m: Option<f64>,
@@ -48,6 +49,8 @@ pub(super) struct RangeOptions<'a> {
     pub(super) domain: Option<&'a str>,
     /// Bytes of memory that may be used.
     pub(super) memory: Option<u64>,
+    /// Least side in metres of the cells on which likeness is measured, if it is.
+    pub(super) likeness_side_m: Option<f64>,
 }
 
 /// Rows or columns, whichever are more, of the raster that the peaks of a layer are put on to be measured.
@@ -96,11 +99,11 @@ impl RangeOptions<'_> {
         let area_km2 = Extent::new(size.0, size.1, &metric).area_km2() * filled;
         let corners = [(0, 0), (0, size.1), (size.0, 0), size].map(|(row, col)| corner(&dem.transform, row, col));
         let place = RangePlace { crs: dem.crs.clone(), bbox: bounds(corners.into_iter()) };
-        let middle = size.0 as i64 / 2;
-        let cell_m = [metric.distance_m((middle, 0), (middle, 1)), metric.distance_m((middle, 0), (middle + 1, 0))];
-        let likeness = Likeness::of(&dem.heights_m(), [size.0, size.1], cell_m);
+        let likeness = self
+            .likeness_side_m
+            .map(|side_m| Likeness::of(&dem.heights_m(), [size.0, size.1], cell_m(size.0, &metric), side_m));
         let range = Range::measured(&peaks, area_km2, Some(threshold_m), place)?;
-        Ok(Range { likeness: Some(likeness), ..range })
+        Ok(Range { likeness, ..range })
     }
 
     fn layer(&self, file: &PeaksFile, note: &mut dyn FnMut(String)) -> Result<Range> {

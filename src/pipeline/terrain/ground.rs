@@ -18,7 +18,7 @@ const LOOKS: usize = 8;
 ///
 /// # Errors
 /// A raster that cannot be read, is in another CRS, does not cover the land, or has a void as large as a block.
-pub(in super::super) fn read_ground(
+pub(super) fn read_ground(
     path: &Path,
     land: &Land,
     cell_m: [f64; 2],

@@ -1,17 +1,16 @@
 //! What to do, and what was done.
 
 use super::super::land::Land;
-use super::super::memory;
 use super::super::surveying::own_geographic;
 use super::drawn::DrawnTree;
-use super::ground::read_ground;
 use super::layers::read_layers;
+use super::shape::TerrainShape;
 use super::text::read_tree;
 use super::write::{RasterOutput, TerrainTarget};
 use crate::crs::Crs;
 use crate::error::Result;
 use crate::io::raster::parse_crs;
-use crate::synthesis::terrain::{Skeleton, TerrainOptions, raise};
+use crate::synthesis::terrain::{Skeleton, raise};
 use crate::watch::Watch;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -29,12 +28,8 @@ pub struct TerrainJob {
     pub bbox: Option<[f64; 4]>,
     /// Side of a cell in metres.
     pub resolution_m: f64,
-    /// A raster of how high the land is in the mean.
-    pub ground_map: Option<PathBuf>,
-    /// Elevation of plains in metres where no ground is known; the lowest saddle's unless given.
-    pub floor_m: Option<f64>,
-    /// How to raise terrain; ground and floor come from the job.
-    pub options: TerrainOptions,
+    /// How the terrain is shaped.
+    pub shape: TerrainShape,
     /// Bytes of memory that may be used; what is free unless given.
     pub memory: Option<u64>,
     /// The options that change results, for the metadata.
@@ -82,17 +77,8 @@ pub fn run(job: &TerrainJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
     let land = land(job, &tree)?;
     let to_geographic = own_geographic(land.crs.as_ref())?;
     let cell_m = land.cell_m(&land.metric(to_geographic.as_ref())?);
-    let cells = land.rows as u64 * land.cols as u64;
-    memory::admit_or(
-        memory::terrain_bytes(cells),
-        job.memory.unwrap_or_else(memory::free_bytes),
-        "give a smaller --bbox or a coarser --resolution",
-    )?;
     let skeleton = tree.placed(&land, cell_m, warn).map_err(|error| error.at_path(&job.tree))?;
-    let ground = job.ground_map.as_ref().map(|path| read_ground(path, &land, cell_m, job.memory, watch)).transpose()?;
-    let lowest_m = skeleton.saddles.iter().chain(&skeleton.peaks).map(|spot| spot.elevation_m).reduce(f64::min);
-    let floor_m = job.floor_m.or(lowest_m).unwrap_or(0.0);
-    let options = TerrainOptions { ground, floor_m, ..job.options.clone() };
+    let options = job.shape.options(&skeleton, &land, None, job.memory, watch)?;
     let metadata = vec![
         ("OROGRAPH_COMMAND".to_string(), job.command.clone()),
         ("OROGRAPH_VERSION".to_string(), env!("CARGO_PKG_VERSION").to_string()),

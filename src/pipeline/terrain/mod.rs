@@ -4,11 +4,12 @@ mod drawn;
 mod ground;
 mod job;
 mod layers;
+mod shape;
 mod text;
 mod write;
 
-pub(super) use ground::read_ground;
 pub(super) use job::tell_crossings;
 pub use job::{TerrainJob, TerrainReport, run};
+pub use shape::TerrainShape;
 pub(super) use write::TerrainTarget;
 pub use write::{RasterOutput, is_raster};

@@ -6,9 +6,12 @@ use super::touches;
 use crate::grid::neighbours::OFFSETS;
 
 /// No ridge.
-pub(super) const NONE: u32 = u32::MAX;
+const NONE: u32 = u32::MAX;
 /// A peak that no ridge leads to.
 const ALONE: u32 = NONE - 1;
+/// How much steeper than in the mean a ridge is at its saddle, and gentler at its peak: real mountains are broad there,
+/// so that higher ground is nearer than the next higher peak.
+const BULGE: f64 = 0.75;
 /// By how much what closes the gaps of a ridge lies lower than the ridge, in metres.
 const LOWER_M: f32 = 0.05;
 
@@ -34,7 +37,7 @@ pub(super) struct Crest {
 impl Crest {
     /// Draws the ridges of a skeleton that was checked.
     ///
-    /// Elevations rise evenly along a ridge; where several share cells the highest counts, but peaks and saddles are what
+    /// Elevations rise along a ridge, less and less steeply; where several share cells the highest counts, but peaks and saddles are what
     /// they are. Water between two corners would slip through a ridge: what closes such a gap is a little lower than the
     /// ridge. Where ridges touch, one of them is lowered (`touches`).
     pub(super) fn of(skeleton: &Skeleton) -> Self {
@@ -70,7 +73,8 @@ impl Crest {
             let steps = line.len().saturating_sub(1).max(1) as f64;
             for (step, &cell) in line.iter().enumerate() {
                 let cell = cell as usize;
-                let elevation_m = (low_m + (high_m - low_m) * step as f64 / steps) as f32;
+                let part = step as f64 / steps;
+                let elevation_m = (low_m + (high_m - low_m) * part * (1.0 + BULGE * (1.0 - part))) as f32;
                 self.z_m[cell] = self.z_m[cell].max(elevation_m);
                 let own = self.ridges[cell];
                 let saddle_m = |ridge: u32| skeleton.ends_m(&skeleton.ridges[ridge as usize])[0];

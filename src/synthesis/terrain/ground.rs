@@ -54,11 +54,15 @@ impl Ground {
         Self { size: blocks, z_m }
     }
 
+    /// The means of so many blocks in each direction.
+    pub(super) fn wide(&self, blocks: usize) -> Self {
+        Self::of(&self.z_m, self.size, self.size.map(|count| count.div_ceil(blocks)))
+    }
+
     /// The ground, raised by some times what another lacks beside it, in the mean of [`WIDE`] by [`WIDE`] blocks.
     pub(super) fn corrected(&self, other: &Self, times: f32) -> Self {
-        let blocks = self.size.map(|count| count.div_ceil(WIDE));
         let lacking: Vec<f32> = self.z_m.iter().zip(&other.z_m).map(|(wanted, own)| wanted - own).collect();
-        let lacking = Self::of(&lacking, self.size, blocks);
+        let lacking = Self { size: self.size, z_m: lacking }.wide(WIDE);
         let middle = |at: usize, count: usize| (at as f64 + 0.5) / count as f64;
         let [rows, cols] = self.size;
         let raised = |(block, z): (usize, &f32)| {

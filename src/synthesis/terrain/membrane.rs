@@ -6,48 +6,71 @@ use rayon::prelude::*;
 const SWEEPS: usize = 24;
 
 /// Makes every cell that does not stand fast the mean of its four neighbours (those in the raster), the nearer ones
-/// counting more: the discrete Laplace equation, which has neither peak nor pit inside.
+/// counting more, and a little higher: the discrete Poisson equation of ground that is lifted evenly and creeps downhill,
+/// `curvature` being how much its slope changes per metre. It has no pit inside, and without curvature no peak.
 ///
 /// From coarse to fine: cells of twice the size come first, and what they say is where the finer ones begin. Sweeps are
 /// Jacobi's, so nothing depends on the order of cells or on threads.
 ///
 /// # Complexity
 /// O(n).
-pub(super) fn stretch(z_m: &mut Vec<f32>, is_fast: &[bool], [rows, cols]: [usize; 2], cell_m: [f64; 2]) {
+pub(super) fn stretch(
+    z_m: &mut Vec<f32>,
+    is_fast: &[bool],
+    [rows, cols]: [usize; 2],
+    cell_m: [f64; 2],
+    curvature: f64,
+) {
     if rows == 0 || cols == 0 || !is_fast.contains(&true) {
         return;
     }
     if rows.max(cols) > 2 && is_fast.contains(&false) {
         let (mut coarse, coarse_fast, size) = coarser(z_m, is_fast, [rows, cols]);
-        stretch(&mut coarse, &coarse_fast, size, cell_m);
-        for (cell, z) in z_m.iter_mut().enumerate().filter(|(cell, _)| !is_fast[*cell]) {
-            *z = coarse[cell / cols / 2 * size[1] + cell % cols / 2];
-        }
+        stretch(&mut coarse, &coarse_fast, size, cell_m.map(|side| 2.0 * side), curvature);
+        z_m.par_chunks_mut(cols).zip(is_fast.par_chunks(cols)).enumerate().for_each(|(row, (line, is_fast))| {
+            let from = &coarse[row / 2 * size[1]..];
+            for (col, z) in line.iter_mut().enumerate().filter(|(col, _)| !is_fast[*col]) {
+                *z = from[col / 2];
+            }
+        });
     }
-    let [across, down] = cell_m.map(|side| (1.0 / (side * side)) as f32);
+    let [across, down] = cell_m.map(|side| 1.0 / (side * side));
+    let parts = [across, down, curvature].map(|part| (part / (2.0 * (across + down))) as f32);
     let mut next = z_m.clone();
     for _ in 0..SWEEPS {
         let now = &z_m[..];
-        next.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
-            let own = &now[row * cols..][..cols];
-            let above = row.checked_sub(1).map(|row| &now[row * cols..][..cols]);
-            let below = (row + 1 < rows).then(|| &now[(row + 1) * cols..][..cols]);
-            for (col, z) in line.iter_mut().enumerate().filter(|(col, _)| !is_fast[row * cols + col]) {
-                let (mut sum, mut weight) = (0.0, 0.0);
-                let mut add = |z: Option<f32>, part: f32| {
-                    if let Some(z) = z {
-                        sum += part * z;
-                        weight += part;
-                    }
-                };
-                add(above.map(|line| line[col]), down);
-                add(below.map(|line| line[col]), down);
-                add(col.checked_sub(1).map(|col| own[col]), across);
-                add(own.get(col + 1).copied(), across);
-                *z = if weight > 0.0 { sum / weight } else { *z };
-            }
+        next.par_chunks_mut(cols).zip(is_fast.par_chunks(cols)).enumerate().for_each(|(row, (line, is_fast))| {
+            let [above, own, below] =
+                [row.saturating_sub(1), row, (row + 1).min(rows - 1)].map(|row| &now[row * cols..][..cols]);
+            relax(line, own, [above, below], is_fast, parts);
         });
         std::mem::swap(z_m, &mut next);
+    }
+}
+
+/// A sweep over a row. A neighbour that is not in the raster is as high as the cell itself, which draws nowhere.
+fn relax(
+    line: &mut [f32],
+    own: &[f32],
+    [above, below]: [&[f32]; 2],
+    is_fast: &[bool],
+    [across, down, lift_m]: [f32; 3],
+) {
+    let last = own.len() - 1;
+    let mean =
+        |left: f32, right: f32, above: f32, below: f32| across * (left + right) + down * (above + below) + lift_m;
+    for col in [0, last] {
+        let z = mean(own[col.saturating_sub(1)], own[(col + 1).min(last)], above[col], below[col]);
+        line[col] = if is_fast[col] { own[col] } else { z };
+    }
+    // Slices of one length, so that several cells are worked on at once.
+    let inside = last.saturating_sub(1);
+    let (left, right, middle) = (&own[..inside], &own[last.min(2)..][..inside], &own[last.min(1)..][..inside]);
+    let [above, below] = [above, below].map(|row| &row[last.min(1)..][..inside]);
+    let (line, is_fast) = (&mut line[last.min(1)..][..inside], &is_fast[last.min(1)..][..inside]);
+    for i in 0..inside {
+        let z = mean(left[i], right[i], above[i], below[i]);
+        line[i] = if is_fast[i] { middle[i] } else { z };
     }
 }
 

@@ -8,17 +8,20 @@ use rayon::prelude::*;
 
 /// How much of the slope is left on plains.
 const PLAIN: f32 = 0.02;
+/// How far below the peaks beside them plains are at least, in metres.
+const BELOW_M: f32 = 15.0;
 
 /// Elevations in metres of slopes that hang from crests, down to plains.
 ///
 /// With a [`Ground`](super::Ground) plains lie so far below it, everywhere as far, that slopes and plains together are
 /// as high in the mean as the ground; options take a share of that depth, since valleys take their part, too. Else they
 /// are level.
-pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, options: &TerrainOptions) -> Vec<f32> {
+pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling_m: &[f32], options: &TerrainOptions) -> Vec<f32> {
     let [rows, cols] = skeleton.size;
     let mut z_m = envelope(&crest.z_m, skeleton.size, skeleton.cell_m, options.slope);
     let Some(ground) = &options.ground else {
-        z_m.par_iter_mut().for_each(|z| *z = lifted(*z, options.floor_m as f32));
+        let floor_m = options.floor_m as f32;
+        z_m.par_iter_mut().zip(ceiling_m).for_each(|(z, ceiling)| *z = lifted(*z, floor_m.min(ceiling - BELOW_M)));
         return z_m;
     };
     let mut plain_m = vec![0.0_f32; z_m.len()];
@@ -28,7 +31,8 @@ pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, options: &TerrainOptio
         }
     });
     let depth_m = depth_m(&z_m, &plain_m, cols) * options.depth as f32;
-    z_m.par_iter_mut().zip(&plain_m).for_each(|(z, plain)| *z = lifted(*z, plain - depth_m));
+    let plains = plain_m.par_iter().zip(ceiling_m).map(|(plain, ceiling)| (plain - depth_m).min(ceiling - BELOW_M));
+    z_m.par_iter_mut().zip(plains).for_each(|(z, plain)| *z = lifted(*z, plain));
     z_m
 }
 
