@@ -4,7 +4,7 @@ use super::range::cells;
 use orograph::grid::{AnyGrid, Cell, Elevations, Grid, Key, SampleType};
 use orograph::noise::{NoiseKind, NoiseSum, Sample, Spectrum};
 use orograph::orometry::{GivenPass, GivenTree, Survey, SurveyOptions, survey};
-use orograph::synthesis::terrain::{Ground, RidgeLine, Skeleton, Spot, TerrainOptions, raise};
+use orograph::synthesis::terrain::{Free, Ground, Likeness, RidgeLine, Skeleton, Spot, TerrainOptions, fit, raise};
 use orograph::watch::Watch;
 use proptest::prelude::*;
 
@@ -111,6 +111,28 @@ fn the_same_whatever_the_threads() {
         pool.install(|| raise(&skeleton, &TerrainOptions::default(), &Watch::default()).expect("terrain").relief)
     };
     assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn what_is_chosen_is_more_like_the_range() {
+    let (rows, cols) = (160, 140);
+    let z_m = hills(rows, cols, 11);
+    let skeleton = skeleton(&surveyed(&z_m, rows, cols, 40.0), rows, cols);
+    let like = Likeness::of(&z_m, [rows, cols], [CELL_M; 2], CELL_M);
+    let apart = |options: &TerrainOptions| {
+        let z_m = raise(&skeleton, options, &Watch::default()).expect("terrain").relief.into_z_m();
+        Likeness::of(&z_m, [rows, cols], [CELL_M; 2], CELL_M).distance(&like)
+    };
+    let ground = Some(Ground::of(&z_m, [rows, cols], [8, 7]));
+    let usual = TerrainOptions { ground, roughness: 0.07, slope: 0.9, ..TerrainOptions::default() };
+    let all = Free { slope: true, roughness: true, curvature: true };
+    let chosen = fit(&skeleton, &usual, all, &like, &Watch::default()).expect("options");
+    assert!(apart(&chosen) < 0.8 * apart(&usual), "{} and {} degrees", apart(&chosen), apart(&usual));
+    // What is not free stays; what must be known of the ground is not touched.
+    let fixed = Free { roughness: false, ..all };
+    let kept = fit(&skeleton, &usual, fixed, &like, &Watch::default()).expect("options");
+    assert_eq!((kept.roughness, &kept.ground), (0.07, &usual.ground));
+    assert_ne!(kept.slope, usual.slope);
 }
 
 #[test]
