@@ -7,10 +7,18 @@ pub const FILL_REACH: usize = 8;
 
 /// Heights (NaN is a void) with each void cell as the mean of its neighbours, ring by ring from the data inwards; and
 /// which cells had data. Deeper than [`FILL_REACH`] cells heights are 0.
-pub fn filled(rows: usize, cols: usize, mut heights_m: Vec<f64>) -> (Plane, Vec<bool>) {
+pub fn filled(rows: usize, cols: usize, heights_m: Vec<f64>) -> (Plane, Vec<bool>) {
+    filled_to(FILL_REACH, rows, cols, heights_m)
+}
+
+/// The same, so many cells deep.
+pub fn filled_to(reach: usize, rows: usize, cols: usize, mut heights_m: Vec<f64>) -> (Plane, Vec<bool>) {
     let known: Vec<bool> = heights_m.iter().map(|height| !height.is_nan()).collect();
     let mut voids: Vec<usize> = (0..known.len()).filter(|&cell| !known[cell]).collect();
-    for _ in 0..FILL_REACH {
+    for _ in 0..reach {
+        if voids.is_empty() {
+            break;
+        }
         let found: Vec<f64> = voids.iter().map(|&cell| mean_around(&heights_m, rows, cols, cell)).collect();
         // All of a ring at once: the order of the cells does not matter.
         voids.iter().zip(&found).for_each(|(&cell, &mean)| heights_m[cell] = mean);

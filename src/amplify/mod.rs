@@ -9,6 +9,9 @@
 //! samples of what exemplars have beyond the estimate are laid on it (`texture`, as strong as `strength` says of the
 //! place), water stays level (`level`), and the small pits that all of that makes are opened (`breach`).
 //!
+//! [`Paper`] is amplification as paper 001 writes it: patches of the exemplar stand in for those of the coarse plane. It is
+//! for comparison, and for its look: it keeps no means.
+//!
 //! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
 //! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
 //! additions, products, divisions and roots decide, in one order: it is the same on every machine, too.
@@ -24,6 +27,7 @@ mod fill;
 mod learn;
 mod level;
 mod orientation;
+mod paper;
 mod plane;
 mod realistic;
 mod step;
@@ -35,5 +39,6 @@ mod texture;
 pub use bicubic::Bicubic;
 pub use cascade::{Cascade, MOST_FACTOR, steps_of};
 pub use extend::{extended, extended_mask};
-pub use fill::{FILL_REACH, filled};
+pub use fill::{FILL_REACH, filled, filled_to};
+pub use paper::{Paper, PatchModel};
 pub use plane::Plane;

@@ -4,7 +4,8 @@ use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option, unit_of};
 use super::sparse::StoredInput;
-use crate::error::Result;
+use crate::amplify::PatchModel;
+use crate::error::{Error, Result};
 use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, run};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -14,16 +15,18 @@ use std::path::PathBuf;
 ///
 /// Exemplars are finer DEMs of other places: what their small forms are like above their large ones is learned, and
 /// added to the input's. The output has so many times the input's rows and columns, on a grid aligned with it, and the
-/// same CRS, unit and voids; the mean of the cells that lie in one of the input's is that cell's elevation. Mode accurate
-/// gives the best estimate of the true heights, which is smoother than terrain. Mode realistic gives one of the terrains
-/// that there may be, as rough as true ones and with no more pits; another for each seed. Water, cells exactly as high as
-/// those around them, stays level in it. Exemplars may have any unit, CRS and cells; those with cells of about the size
-/// that is to be made teach most.
+/// same CRS, unit and voids; the mean of the cells that lie in one of the input's is that cell's elevation. Mode
+/// accurate gives the best estimate of the true heights, which is smoother than terrain. Mode realistic gives one of
+/// the terrains that there may be, as rough as true ones and with no more pits; another for each seed. Water, cells
+/// exactly as high as those around them, stays level in it. Mode paper puts patches of the exemplars in place of the
+/// input's that are most like them, as Guérin et al. (2016) have it; it keeps the look of the exemplars, but not the
+/// means. Exemplars may have any unit, CRS and cells; those with cells of about the size that is to be made teach most.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
                         orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3\n  \
-                        orograph amplify fixtures/void.tif new.tif --exemplar fixtures/jacksboro.tif --mode realistic")]
+                        orograph amplify fixtures/void.tif new.tif --exemplar fixtures/jacksboro.tif --mode realistic\n  \
+                        orograph amplify fixtures/void.tif old.tif --exemplar fixtures/jacksboro.tif --mode paper")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "IN")]
@@ -34,20 +37,22 @@ pub(super) struct Amplify {
     /// Elevation models to learn from.
     #[arg(long = "exemplar", value_name = "DEM", required = true, num_args = 1..)]
     exemplars: Vec<PathBuf>,
-    /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7.
+    /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7 unless in mode paper.
     #[arg(long, value_name = "N", default_value_t = 4)]
     factor: usize,
     /// What the result is to be.
     #[arg(long, value_enum, default_value_t = Mode::Accurate)]
     mode: Mode,
     /// Seed of what is drawn: in mode accurate the parts of large exemplars that are learned from, in mode realistic the
-    /// terrain.
+    /// terrain, in mode paper the atoms that learning begins with.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// How many terrains to make in mode realistic, with the seed and those that follow it. Several are written to
     /// OUT-1.tif, OUT-2.tif and so on where OUT.tif is the output.
     #[arg(long, value_name = "K", default_value_t = 1)]
     count: usize,
+    #[command(flatten)]
+    paper: PaperOptions,
     #[command(flatten)]
     raster: StoredInput,
     /// GDAL's name of the output's format; after the extension unless given.
@@ -71,6 +76,66 @@ enum Mode {
     Accurate,
     /// One of the terrains that there may be, as rough as true ones.
     Realistic,
+    /// Patches of the exemplars in place of the input's.
+    Paper,
+}
+
+/// What mode paper alone can be told.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Mode paper")]
+struct PaperOptions {
+    /// Side of a patch in cells of the input, 3 to 64: twice the radius R. The larger, the more of the exemplars' shape
+    /// and the less of the input's [default: 8].
+    #[arg(long, value_name = "CELLS")]
+    patch: Option<usize>,
+    /// From one patch to the next in cells of the input; half a side unless given.
+    #[arg(long, value_name = "CELLS")]
+    step: Option<usize>,
+    /// Most atoms of a patch, 1 to 64 [default: 1].
+    #[arg(long, value_name = "S")]
+    sparsity: Option<usize>,
+    /// Turn no patch of the exemplars upside down.
+    #[arg(long)]
+    unsigned: bool,
+    /// Learn so many patches of the exemplars and take these alone; all unless given.
+    #[arg(long, value_name = "N")]
+    atoms: Option<usize>,
+    /// Take at most so many patches of the exemplars for each step, 1 to 1048576; 120000 unless given, or 8192 with
+    /// --atoms.
+    #[arg(long, value_name = "N")]
+    patches: Option<usize>,
+    /// Make the terrain finer by so much at a time; all at once unless given.
+    #[arg(long, value_name = "N")]
+    by: Option<usize>,
+}
+
+impl PaperOptions {
+    /// What the options mean; refused where another mode is meant.
+    fn meant(&self, mode: Mode) -> Result<PatchModel> {
+        let said = [
+            ("--patch", self.patch.is_some()),
+            ("--step", self.step.is_some()),
+            ("--sparsity", self.sparsity.is_some()),
+            ("--unsigned", self.unsigned),
+            ("--atoms", self.atoms.is_some()),
+            ("--patches", self.patches.is_some()),
+            ("--by", self.by.is_some()),
+        ];
+        if let Some((name, _)) = said.iter().find(|(_, said)| *said && !matches!(mode, Mode::Paper)) {
+            return Err(Error::usage(format!("{name}: it is for --mode paper only")));
+        }
+        let usual = PatchModel::default();
+        Ok(PatchModel {
+            side: self.patch.unwrap_or(usual.side),
+            step: self.step,
+            sparsity: self.sparsity.unwrap_or(usual.sparsity),
+            signed: !self.unsigned,
+            atoms: self.atoms,
+            patches: self.patches,
+            by: self.by,
+            seed: usual.seed,
+        })
+    }
 }
 
 impl Amplify {
@@ -84,7 +149,9 @@ impl Amplify {
             mode: match self.mode {
                 Mode::Accurate => amplify::Mode::Accurate,
                 Mode::Realistic => amplify::Mode::Realistic,
+                Mode::Paper => amplify::Mode::Paper,
             },
+            model: self.paper.meant(self.mode)?,
             seed: self.seed,
             count: self.count,
             output: self.output.clone(),
@@ -113,6 +180,10 @@ fn text(report: &AmplifyReport) -> String {
     let [across, down] = report.cell_m.map(|m| (m * 100.0).round() / 100.0);
     let seconds: f64 = report.times.iter().map(|time| time.as_secs_f64()).sum();
     let mut text = format!("{cols} x {rows} cells of {across} x {down} m as {}, {seconds:.1} s\n", report.format);
+    if !report.atoms.is_empty() {
+        let atoms: Vec<String> = report.atoms.iter().map(usize::to_string).collect();
+        text += &format!("patches of the exemplars, step by step: {}\n", atoms.join(", "));
+    }
     text += &format!("means of cells are the input's within {:.4} m\n", report.deviation_m);
     text
 }
@@ -124,6 +195,7 @@ fn json(report: &AmplifyReport) -> Value {
         "cols": report.size[1],
         "cell_m": { "across": report.cell_m[0], "down": report.cell_m[1] },
         "cells_with_data": report.cells,
+        "atoms": report.atoms,
         "deviation_m": report.deviation_m,
         "format": report.format,
         "seeds": report.seeds,

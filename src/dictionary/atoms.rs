@@ -205,6 +205,22 @@ impl Samples {
         Self::gather(patches, source, false)
     }
 
+    /// Patches that come from elsewhere: their values in metres above their weighted means one behind the other, and
+    /// where each comes from, with its weighted norm, in one of the sources.
+    ///
+    /// # Errors
+    /// As [`Dictionary::from_values`]; when one is no patch.
+    pub fn from_values(side: usize, values: Vec<f32>, origins: Vec<Origin>, sources: Vec<String>) -> Result<Self> {
+        if let Some(i) =
+            origins.iter().position(|origin| !matches!(origin, Origin::Patch { norm_m, .. } if *norm_m > 0.0))
+        {
+            return Err(Error::usage("samples are patches with relief").at_place(format!("sample {i}")));
+        }
+        let checked = Dictionary::from_values(side, values, origins, sources)?;
+        let Dictionary { values, origins, sources, .. } = checked;
+        Ok(Self { shape: PatchShape::new(side)?, values, origins, sources })
+    }
+
     /// Whole patches if there are some, or all, voids at the mean.
     fn gather(patches: Patches, source: &str, all: bool) -> Self {
         let shape = patches.layout().shape().clone();

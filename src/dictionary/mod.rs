@@ -47,7 +47,7 @@ pub use learn::{Learned, Learning, learn, learn_constrained};
 pub use noise_atom::{NoiseAtom, NoiseFamily};
 pub use pair::DictionaryPair;
 pub use patches::Patches;
-pub use pursuit::{Choice, Decomposition, Pursuit};
+pub use pursuit::{Choice, Decomposition, Pursuit, Signs};
 pub use quality::{Difference, Storage, difference};
 pub use raster::Raster;
 pub use shape::PatchShape;

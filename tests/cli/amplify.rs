@@ -177,6 +177,68 @@ fn realistic_terrain_of_all_sizes() {
     assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
 }
 
+/// Other threads and less memory mean other tiles and strips.
+#[test]
+fn the_papers_way_depends_on_neither_threads_nor_memory() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
+        raster.nodata = Some(-1.0);
+        let cells = &mut raster.bands[0];
+        (0..cells.len())
+            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
+            .for_each(|i| cells[i] = -1.0);
+        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
+    });
+    let paper = |name: &str, options: &[&str]| {
+        let out = inside(&dir, name);
+        let document = amplify(&input, &out, &exemplar, &[&["--mode", "paper", "--overwrite"], options].concat());
+        (out, document["result"]["atoms"].clone())
+    };
+    for (patches, atoms) in [
+        (&[][..], 169 * 169),
+        (&["--patch", "12", "--step", "7", "--atoms", "20", "--seed", "3", "--unsigned"], 20),
+        (&["--patch", "5", "--patches", "4000", "--sparsity", "2"], 61 * 61),
+    ] {
+        let mut known: Option<Vec<u8>> = None;
+        for options in [["-j", "1", "--memory", "4G"], ["-j", "3", "--memory", "4G"], ["-j", "1", "--memory", "140M"]] {
+            let (out, found) = paper("out.tif", &[&options[..], patches].concat());
+            assert_eq!(found, serde_json::json!([atoms]));
+            let bytes = fs::read(&out).expect("the output");
+            assert!(known.get_or_insert_with(|| bytes.clone()) == &bytes, "{options:?}");
+        }
+        let (size, fine) = cells(&inside(&dir, "out.tif"));
+        assert_eq!(size, (1200, 2080));
+        // Voids stay, no other cell becomes one, and heights are about the input's.
+        let found = deviation(&coarse, 300, &fine, 4, Some(-1.0));
+        let most = coarse.iter().fold(0.0f32, |most, &height| most.max(height));
+        assert!(found > 0.01 && found < f64::from(most) / 4.0, "{found} m of {most}");
+    }
+    let (_, atoms) = paper("steps.tif", &["--by", "2", "--patch", "4"]);
+    assert_eq!(atoms, serde_json::json!([93 * 93, 193 * 193]));
+}
+
+#[test]
+fn the_papers_way_with_all_sizes() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    for (size, factor) in [((1, 1), 11), ((1, 7), 4), ((9, 1), 2), ((2, 3), 64)] {
+        let name = format!("{}x{}.tif", size.0, size.1);
+        let (input, coarse) = dem(&dir, &name, size, |_| {});
+        let out = inside(&dir, &format!("fine-{name}"));
+        let number = factor.to_string();
+        amplify(&input, &out, &exemplar, &["--mode", "paper", "--factor", &number, "--patch", "3"]);
+        let (found, fine) = cells(&out);
+        assert_eq!(found, (size.0 * factor, size.1 * factor));
+        let least = coarse.iter().fold(f32::MAX, |least, &height| least.min(height));
+        assert!(fine.iter().all(|&height| (height - least).abs() < 4000.0), "{name}");
+    }
+    let (flat, _) = dem(&dir, "flat.tif", (30, 20), |raster| raster.bands[0].fill(12.5));
+    let out = inside(&dir, "fine-flat.tif");
+    amplify(&flat, &out, &exemplar, &["--mode", "paper"]);
+    assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
+}
+
 #[test]
 fn parts_feet_and_narrow_rasters() {
     let dir = folder();
@@ -272,6 +334,22 @@ fn refusals() {
         (&input, &flat, &["--mode", "realistic"], 3, "flat.tif: the exemplars teach nothing"),
         (&input, &exemplar, &["--count", "2"], 2, "several terrains need --mode realistic"),
         (&input, &exemplar, &["--mode", "realistic", "--count", "0"], 2, "--count 0: expected 1 to 100"),
+        (&input, &small, &["--mode", "paper"], 3, "small.tif: the exemplars are smaller than a patch: 20 x 20 cells"),
+        (&input, &flat, &["--mode", "paper"], 3, "flat.tif: the exemplars teach nothing"),
+        (&input, &exemplar, &["--mode", "paper", "--factor", "257"], 2, "--factor 257: expected 2 to 256"),
+        (&input, &exemplar, &["--mode", "paper", "--by", "3"], 2, "--by 3"),
+        (&input, &exemplar, &["--mode", "paper", "--patch", "65"], 2, "--patch 65: expected 3 to 64"),
+        (&input, &exemplar, &["--mode", "paper", "--step", "6"], 2, "--step: discs of side 8"),
+        (&input, &exemplar, &["--mode", "paper", "--unsigned", "--sparsity", "2"], 2, "--sparsity 1 only"),
+        (&input, &exemplar, &["--mode", "paper", "--count", "2"], 2, "several terrains need --mode realistic"),
+        (&input, &exemplar, &["--patch", "8"], 2, "--patch: it is for --mode paper only"),
+        (&input, &exemplar, &["--step", "8"], 2, "--step: it is for --mode paper only"),
+        (&input, &exemplar, &["--sparsity", "1"], 2, "--sparsity: it is for --mode paper only"),
+        (&input, &exemplar, &["--mode", "realistic", "--unsigned"], 2, "--unsigned: it is for --mode paper only"),
+        (&input, &exemplar, &["--mode", "realistic", "--atoms", "9"], 2, "--atoms: it is for --mode paper only"),
+        (&input, &exemplar, &["--patches", "9"], 2, "--patches: it is for --mode paper only"),
+        (&input, &exemplar, &["--mode", "paper", "--patches", "0"], 2, "--patches 0: expected 1 to 1048576"),
+        (&input, &exemplar, &["--by", "2"], 2, "--by: it is for --mode paper only"),
         (&input, &exemplar, &["--memory", "1M"], 3, "raise --memory"),
         (&input, &exemplar, &["--of", "nonsense"], 2, "no such format"),
     ] {

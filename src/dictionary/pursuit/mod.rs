@@ -40,12 +40,23 @@ pub enum Choice {
     LargestCorrelation,
 }
 
+/// Which coefficients atoms may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Signs {
+    /// Any, as in the paper: a valley may be a ridge upside down.
+    #[default]
+    Both,
+    /// Only positive ones.
+    Positive,
+}
+
 /// A dictionary made ready for matching.
 #[derive(Clone, Debug)]
 pub struct Pursuit {
     shape: PatchShape,
     sparsity: usize,
     choice: Choice,
+    signs: Signs,
     // Atoms times the roots of weights, and their square lengths.
     atoms: Vec<f32>,
     squares: Vec<f64>,
@@ -90,7 +101,18 @@ impl Pursuit {
         let atoms = shape.scaled(dictionary.values());
         let squares: Vec<f64> = atoms.chunks_exact(shape.disc_values()).map(|atom| dot(atom, atom)).collect();
         let unequal = squares.iter().fold(0.0, |most: f64, square| most.max((square.sqrt() - 1.0).abs()));
-        Ok(Self { shape, sparsity, choice, atoms, squares, unequal })
+        Ok(Self { shape, sparsity, choice, signs: Signs::Both, atoms, squares, unequal })
+    }
+
+    /// The same with other coefficients.
+    ///
+    /// # Errors
+    /// When coefficients of several atoms are to be positive: that is not how they are found.
+    pub fn with_signs(self, signs: Signs) -> Result<Self> {
+        if signs == Signs::Positive && self.sparsity > 1 {
+            return Err(Error::usage("positive coefficients are found for one atom a patch only"));
+        }
+        Ok(Self { signs, ..self })
     }
 
     /// Finds atoms for all patches of a terrain.
@@ -112,6 +134,15 @@ impl Pursuit {
         Ok(Decomposition { codes, mean_m })
     }
 
+    /// Finds atoms for whole patches that lie one behind the other, as values above their weighted means.
+    ///
+    /// # Panics
+    /// When the last of them is not whole.
+    pub fn decompose_values(&self, values: &[f32]) -> Codes {
+        assert!(values.len().is_multiple_of(self.shape.values()), "whole patches");
+        self.match_all(values, |_| None).0
+    }
+
     /// Finds atoms for samples to learn from.
     pub(super) fn match_samples(&self, samples: &Samples) -> Codes {
         self.match_all(samples.values_m(), |_| None).0
@@ -128,8 +159,10 @@ impl Pursuit {
             vectorised(
                 #[inline(always)]
                 || {
-                    if self.sparsity == 1 {
-                        self.match_single(values, &mut codes, scratch);
+                    if self.signs == Signs::Positive {
+                        self.match_single::<false>(values, &mut codes, scratch);
+                    } else if self.sparsity == 1 {
+                        self.match_single::<true>(values, &mut codes, scratch);
                     } else {
                         self.match_several(values, &mut codes, scratch);
                     }
@@ -207,6 +240,9 @@ impl Pursuit {
                     continue;
                 }
                 let correlation = projection.correlation(self.atom(k));
+                if self.signs == Signs::Positive && correlation <= 0.0 {
+                    continue;
+                }
                 let gain = correlation * correlation / length;
                 if gain > best.0 && !projection.atoms().contains(&(k as u32)) {
                     best = (gain, Some(k));

@@ -3,40 +3,46 @@
 /// Values looked at together.
 const LANES: usize = 16;
 
-/// The largest size of a score.
+/// What scores are compared by: their size, or, unless `SIGNED`, how far they are above 0.
 #[inline(always)]
-pub(super) fn largest(scores: &[f32]) -> f32 {
+fn rank<const SIGNED: bool>(score: f32) -> f32 {
+    if SIGNED { score.abs() } else { score }
+}
+
+/// The largest rank of a score, at least 0.
+#[inline(always)]
+pub(super) fn largest<const SIGNED: bool>(scores: &[f32]) -> f32 {
     let mut most = [0.0f32; LANES];
     let (whole, rest) = scores.as_chunks::<LANES>();
     for scores in whole {
         for lane in 0..LANES {
-            let size = scores[lane].abs();
+            let size = rank::<SIGNED>(scores[lane]);
             most[lane] = if size > most[lane] { size } else { most[lane] };
         }
     }
     let most = most.into_iter().fold(0.0, f32::max);
-    rest.iter().fold(most, |most, score| most.max(score.abs()))
+    rest.iter().fold(most, |most, score| most.max(rank::<SIGNED>(*score)))
 }
 
-/// Calls `found` for each position whose score has at least a size, in rising order.
+/// Calls `found` for each position whose score has at least a rank, in rising order.
 #[inline(always)]
-pub(super) fn reaching(scores: &[f32], least: f32, mut found: impl FnMut(usize)) {
+pub(super) fn reaching<const SIGNED: bool>(scores: &[f32], least: f32, mut found: impl FnMut(usize)) {
     let (whole, rest) = scores.as_chunks::<LANES>();
     for (chunk, scores) in whole.iter().enumerate() {
         let mut any = false;
         for score in scores {
-            any |= score.abs() >= least;
+            any |= rank::<SIGNED>(*score) >= least;
         }
         if any {
             for (lane, score) in scores.iter().enumerate() {
-                if score.abs() >= least {
+                if rank::<SIGNED>(*score) >= least {
                     found(chunk * LANES + lane);
                 }
             }
         }
     }
     for (i, score) in rest.iter().enumerate() {
-        if score.abs() >= least {
+        if rank::<SIGNED>(*score) >= least {
             found(whole.len() * LANES + i);
         }
     }
@@ -119,9 +125,14 @@ mod tests {
         #[test]
         fn scans_are_those_of_plain_loops(scores in prop::collection::vec(-9i8..9, 0..70), least in 0u8..9) {
             let scores: Vec<f32> = scores.into_iter().map(f32::from).collect();
-            prop_assert_eq!(largest(&scores), scores.iter().fold(0.0, |m: f32, s| m.max(s.abs())));
+            prop_assert_eq!(largest::<true>(&scores), scores.iter().fold(0.0, |m: f32, s| m.max(s.abs())));
+            prop_assert_eq!(largest::<false>(&scores), scores.iter().fold(0.0, |m: f32, &s| m.max(s)));
             let mut found = vec![];
-            reaching(&scores, f32::from(least), |i| found.push(i));
+            reaching::<false>(&scores, f32::from(least), |i| found.push(i));
+            let plain: Vec<usize> = (0..scores.len()).filter(|&i| scores[i] >= f32::from(least)).collect();
+            prop_assert_eq!(found, plain);
+            let mut found = vec![];
+            reaching::<true>(&scores, f32::from(least), |i| found.push(i));
             let plain: Vec<usize> = (0..scores.len()).filter(|&i| scores[i].abs() >= f32::from(least)).collect();
             prop_assert_eq!(found, plain);
         }

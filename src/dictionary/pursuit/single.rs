@@ -22,9 +22,9 @@ struct Best {
 }
 
 impl Pursuit {
-    /// Finds the best atom of each patch of a block.
+    /// Finds the best atom of each patch of a block; unless `SIGNED`, with a positive coefficient.
     #[inline(always)]
-    pub(super) fn match_single(&self, values: &[f32], codes: &mut Block, scratch: &mut Scratch) {
+    pub(super) fn match_single<const SIGNED: bool>(&self, values: &[f32], codes: &mut Block, scratch: &mut Scratch) {
         let size = self.shape.disc_values();
         let rows = self.scale_block(values, &mut scratch.patches);
         let patches = &scratch.patches[..rows * size];
@@ -42,18 +42,18 @@ impl Pursuit {
             for ((best, patch), scores) in
                 best.iter_mut().zip(patches.chunks_exact(size)).zip(scratch.scores.chunks_exact(count))
             {
-                let most = largest(scores);
+                let most = largest::<SIGNED>(scores);
                 best.score = if most > best.score { most } else { best.score };
                 let least = f64::from(best.score) - off * best.length - 2.0 * size as f64 * UNDERFLOW;
                 let least = (least as f32).next_down();
                 if most < least {
                     continue;
                 }
-                reaching(scores, least, |i| {
+                reaching::<SIGNED>(scores, least, |i| {
                     let k = chunk * ATOMS + i;
                     let correlation = dot(patch, self.atom(k));
                     let gain = correlation * correlation / self.squares[k];
-                    if gain > best.gain {
+                    if gain > best.gain && (SIGNED || correlation > 0.0) {
                         (best.gain, best.correlation, best.atom) = (gain, correlation, k as u32);
                     }
                 });

@@ -23,7 +23,9 @@ fn defined(pursuit: &Pursuit, values: &[f32]) -> (Vec<u32>, Vec<f64>) {
                 Choice::SmallestResidual => projection.outside(pursuit.atom(k), pursuit.squares[k]),
                 Choice::LargestCorrelation => pursuit.squares[k],
             };
-            let gain = projection.correlation(pursuit.atom(k)).powi(2) / length;
+            let correlation = projection.correlation(pursuit.atom(k));
+            let gain =
+                if pursuit.signs == Signs::Both || correlation > 0.0 { correlation.powi(2) / length } else { 0.0 };
             if length >= LEAST_NEW && gain > best.0 && !projection.atoms().contains(&(k as u32)) {
                 best = (gain, Some(k));
             }
@@ -83,8 +85,10 @@ proptest! {
                 (scale * (of_atom * f64::from(v) + of_noise * rng.between(-1.0, 1.0))) as f32
             }));
         }
-        for choice in CHOICES {
-            let pursuit = Pursuit::new(&dictionary, sparsity, choice).unwrap();
+        let each = |choice| Pursuit::new(&dictionary, sparsity, choice).unwrap();
+        let positive = Pursuit::new(&dictionary, 1, CHOICES[0]).unwrap().with_signs(Signs::Positive).unwrap();
+        for pursuit in CHOICES.map(each).into_iter().chain([positive]) {
+            let sparsity = pursuit.sparsity;
             let (codes, _) = pursuit.match_all(&values, |_| None);
             for (i, patch) in values.chunks(shape.values()).enumerate() {
                 let (atoms, parts) = defined(&pursuit, patch);

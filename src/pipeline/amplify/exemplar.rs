@@ -11,9 +11,6 @@ use crate::pipeline::memory;
 use crate::watch::Watch;
 use std::path::Path;
 
-/// Bytes that an exemplar's cell takes while it is learned from: at all scales, with what steps make of it.
-const BYTES_PER_CELL: u64 = 96;
-
 /// What is to be made of an exemplar.
 pub(super) struct Wanted {
     /// The cells of the input.
@@ -22,6 +19,8 @@ pub(super) struct Wanted {
     pub(super) factor: usize,
     /// The input's median slope.
     pub(super) slope: Option<f64>,
+    /// Bytes that an exemplar's cell takes while it is learned from.
+    pub(super) bytes_per_cell: u64,
     /// Bytes of memory that may be used; what is free unless given.
     pub(super) memory: Option<u64>,
 }
@@ -36,7 +35,7 @@ pub(super) struct Wanted {
 /// When it cannot be read or has no data.
 pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Vec<Plane>> {
     let source = open_dem(path, &RasterOptions::default(), wanted.memory, watch)?;
-    let needed = source.cells().saturating_mul(BYTES_PER_CELL) + source.unpacked_bytes();
+    let needed = source.cells().saturating_mul(wanted.bytes_per_cell) + source.unpacked_bytes();
     memory::admit_or(
         needed,
         wanted.memory.unwrap_or_else(memory::free_bytes),

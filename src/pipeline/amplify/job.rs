@@ -2,10 +2,11 @@
 
 use super::exemplar::{self, Wanted};
 use super::likeness::median_slope;
+use super::method::Method;
 use super::sink::Output;
 use super::strips::Making;
 use super::terrain::Terrain;
-use crate::amplify::{Cascade, Plane, steps_of};
+use crate::amplify::{Cascade, Paper, PatchModel, Plane, steps_of};
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::raster::stored::StoredOptions;
 use crate::units::LengthUnit;
@@ -26,6 +27,19 @@ pub enum Mode {
     Accurate,
     /// One of the terrains that there may be, as rough as true ones; another for each seed.
     Realistic,
+    /// What paper 001 makes of it (section 5.3): patches of the exemplars in place of the input's. It keeps no means.
+    Paper,
+}
+
+impl Mode {
+    /// Bytes that an exemplar's cell takes while it is learned from: at all scales, with what steps make of it; or as it
+    /// is, with sums.
+    fn bytes_per_exemplar_cell(self) -> u64 {
+        match self {
+            Self::Accurate | Self::Realistic => 96,
+            Self::Paper => 32,
+        }
+    }
 }
 
 /// What to do.
@@ -43,10 +57,12 @@ pub struct AmplifyJob {
     pub factor: usize,
     /// What the result is to be.
     pub mode: Mode,
+    /// How terrain is described by patches in [`Mode::Paper`]; its seed is not looked at.
+    pub model: PatchModel,
     /// Seed of what is drawn: in [`Mode::Accurate`] the patches of large exemplars that are learned from, in
-    /// [`Mode::Realistic`] the terrain.
+    /// [`Mode::Realistic`] the terrain, in [`Mode::Paper`] the atoms that learning begins with.
     pub seed: u64,
-    /// How many terrains to make, with this seed and those that follow it; 1 in [`Mode::Accurate`].
+    /// How many terrains to make, with this seed and those that follow it; 1 unless in [`Mode::Realistic`].
     pub count: usize,
     /// Where to write. Where there are several, each has its number before the extension, from 1.
     pub output: PathBuf,
@@ -69,6 +85,8 @@ pub struct AmplifyReport {
     pub cell_m: [f64; 2],
     /// Cells of each output with data.
     pub cells: u64,
+    /// Pairs of atoms of each step in [`Mode::Paper`].
+    pub atoms: Vec<usize>,
     /// Greatest difference in metres between an input cell and the mean of its output cells, in any output.
     pub deviation_m: f64,
     /// The format that was written.
@@ -87,7 +105,10 @@ pub struct AmplifyReport {
 /// Anything that is wrong with the input, the exemplars, the output or the options; then no file has changed.
 pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<AmplifyReport> {
     let begun = Instant::now();
-    steps_of(job.factor)?;
+    match job.mode {
+        Mode::Accurate | Mode::Realistic => steps_of(job.factor)?,
+        Mode::Paper => job.model.steps(job.factor)?,
+    };
     let paths = paths(job)?;
     let terrain = Terrain::open(&job.input, &job.raster, job.unit.as_ref())?;
     terrain.notes().iter().for_each(|note| warn(note));
@@ -105,13 +126,19 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         sinks.push(output.begin(&record)?);
     }
     sinks[0].notes(&job.options).iter().for_each(|note| warn(note));
-    let cascade = learned(job, &terrain, watch, warn)?;
-    if cascade.borrowed_steps() > 0 {
-        warn(&format!(
-            "the exemplars are too small for {} of the coarsest steps; what finer ones have learned is taken there",
-            cascade.borrowed_steps()
-        ));
-    }
+    let method = learned(job, &terrain, watch, warn)?;
+    let atoms = match &method {
+        Method::Paper(paper) => paper.atoms(),
+        Method::Cascade(cascade) => {
+            if cascade.borrowed_steps() > 0 {
+                warn(&format!(
+                    "the exemplars are too small for {} of the coarsest steps; what finer ones have learned is taken there",
+                    cascade.borrowed_steps()
+                ));
+            }
+            vec![]
+        }
+    };
     let learned = begun.elapsed();
 
     let begun = Instant::now();
@@ -119,7 +146,7 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
     let seeds: Vec<u64> = (0..sinks.len() as u64).map(|number| job.seed.wrapping_add(number)).collect();
     let (mut cells, mut deviation) = (0, 0.0f64);
     for (&seed, sink) in seeds.iter().zip(&mut sinks) {
-        let making = Making { terrain: &terrain, cascade: &cascade, void, seed, memory: job.memory, watch };
+        let making = Making { terrain: &terrain, method: &method, void, seed, memory: job.memory, watch };
         let made = making.run(sink).map_err(|error| match error.kind() {
             ErrorKind::Output | ErrorKind::Interrupted => error,
             _ => error.at_path(&job.input),
@@ -144,6 +171,7 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         size: [record.height, record.width],
         cell_m: [cell.across_m, cell.down_m],
         cells,
+        atoms,
         deviation_m: deviation * terrain.unit_m(),
         format,
         outputs,
@@ -163,8 +191,8 @@ fn paths(job: &AmplifyJob) -> Result<Vec<PathBuf>> {
     if job.count == 1 {
         return Ok(vec![job.output.clone()]);
     }
-    if job.mode == Mode::Accurate {
-        return Err(Error::usage("--count: there is one best estimate; several terrains need --mode realistic"));
+    if job.mode != Mode::Realistic {
+        return Err(Error::usage("--count: other modes make one terrain; several terrains need --mode realistic"));
     }
     let stem = job.output.file_stem().unwrap_or_default();
     let name = |number: usize| {
@@ -180,18 +208,28 @@ fn paths(job: &AmplifyJob) -> Result<Vec<PathBuf>> {
 }
 
 /// What the exemplars teach.
-fn learned(job: &AmplifyJob, terrain: &Terrain, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Cascade> {
-    let wanted = Wanted { input: terrain.cell, factor: job.factor, slope: middle_slope(terrain)?, memory: job.memory };
+fn learned(job: &AmplifyJob, terrain: &Terrain, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Method> {
+    let wanted = Wanted {
+        input: terrain.cell,
+        factor: job.factor,
+        slope: middle_slope(terrain)?,
+        bytes_per_cell: job.mode.bytes_per_exemplar_cell(),
+        memory: job.memory,
+    };
     let mut exemplars = vec![];
     for path in &job.exemplars {
         exemplars.extend(exemplar::read(path, &wanted, watch, warn)?);
     }
     let is_square = terrain.cell.is_square();
-    let cascade = match job.mode {
-        Mode::Accurate => Cascade::learn(&exemplars, job.factor, is_square, job.seed, watch),
-        Mode::Realistic => Cascade::learn_textured(&exemplars, job.factor, is_square, watch),
+    let method = match job.mode {
+        Mode::Accurate => Cascade::learn(&exemplars, job.factor, is_square, job.seed, watch).map(Method::Cascade),
+        Mode::Realistic => Cascade::learn_textured(&exemplars, job.factor, is_square, watch).map(Method::Cascade),
+        Mode::Paper => {
+            let model = PatchModel { seed: job.seed, ..job.model.clone() };
+            Paper::learn(exemplars, job.factor, &model, watch).map(Method::Paper)
+        }
     };
-    cascade.map_err(|error| match job.exemplars.first() {
+    method.map_err(|error| match job.exemplars.first() {
         Some(path) if error.kind() == ErrorKind::Input => error.at_path(path),
         _ => error,
     })

@@ -1,12 +1,13 @@
 //! The job behind `orograph amplify`: a finer DEM from a coarse one and exemplars.
 //!
 //! `terrain` reads the input window by window, `exemplar` brings exemplars to the cells that are to be made,
-//! `strips` makes the output strip by strip, and `sink` writes it.
+//! `method` is what makes planes finer, `strips` makes the output strip by strip, and `sink` writes it.
 
 mod cell_size;
 mod exemplar;
 mod job;
 mod likeness;
+mod method;
 mod resample;
 mod sink;
 mod strips;

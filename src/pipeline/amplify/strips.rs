@@ -1,8 +1,9 @@
 //! Makes the output strip by strip, each in tiles that the threads share.
 
+use super::method::Method;
 use super::sink::Sink;
 use super::terrain::Terrain;
-use crate::amplify::{Cascade, FILL_REACH, extended, extended_mask, filled};
+use crate::amplify::{extended, extended_mask, filled_to};
 use crate::error::Result;
 use crate::pipeline::memory::{BatchNeeds, batch_budget};
 use crate::watch::Watch;
@@ -15,18 +16,16 @@ const TILE: usize = 1024;
 const TILE_BYTES_PER_CELL: u64 = 64;
 /// Bytes a fine cell of a strip that is being made or written.
 const STRIP_BYTES_PER_CELL: u64 = 8;
-/// Strips have no more rows of tiles than this; more makes nothing faster.
-const MOST_TILE_ROWS: usize = 4;
 /// What to do where less memory would do.
 const REMEDY: &str = "cut the raster with --window or --bbox, or take fewer threads";
 
 /// How a raster is made finer.
 pub(super) struct Making<'a> {
     pub(super) terrain: &'a Terrain,
-    pub(super) cascade: &'a Cascade,
+    pub(super) method: &'a Method,
     /// The value of cells without data; NaN where none is declared.
     pub(super) void: f32,
-    /// Which of many terrains is made, where the cascade draws one.
+    /// Which of many terrains is made, where the method draws one.
     pub(super) seed: u64,
     pub(super) memory: Option<u64>,
     pub(super) watch: &'a Watch,
@@ -71,7 +70,7 @@ impl Making<'_> {
     pub(super) fn run(&self, sink: &mut Sink) -> Result<Made> {
         let [rows, cols] = self.terrain.size();
         let plan = self.plan(sink.rows())?;
-        let factor = self.cascade.factor();
+        let factor = self.method.factor();
         let strips: Vec<Range<usize>> =
             (0..rows).step_by(plan.strip).map(|row| row..rows.min(row + plan.strip)).collect();
         self.watch.begin("making", rows as u64 * cols as u64);
@@ -90,17 +89,17 @@ impl Making<'_> {
 
     /// How large strips and tiles are. Neither changes the bytes of the output, as strips end where blocks do.
     fn plan(&self, block: usize) -> Result<Plan> {
-        let factor = self.cascade.factor();
+        let factor = self.method.factor();
         let [rows, cols] = self.terrain.size();
         // The fewest rows of input cells that make whole rows of blocks.
         let unit = (1..=block).find(|&rows| (rows * factor).is_multiple_of(block)).unwrap_or(block);
         let row_bytes = (cols * factor) as u64 * STRIP_BYTES_PER_CELL * factor as u64;
-        let reach = 2 * self.cascade.reach() * factor;
+        let reach = 2 * self.method.reach() * factor;
         let side = |cells: usize| (cells + reach.min(TILE)) as u64;
         let needs = |tile: usize| BatchNeeds {
             least: row_bytes * unit.min(rows) as u64,
             per_thread: side(tile) * side(TILE) * TILE_BYTES_PER_CELL,
-            kept: self.cascade.bytes() as u64 + 2 * reach as u64 * cols as u64 * 8 / factor as u64,
+            kept: self.method.bytes() as u64 + 2 * reach as u64 * cols as u64 * 8 / factor as u64,
         };
         let tile = (TILE / factor).max(1);
         // Tiles as high as the lowest strip where there is no room for more.
@@ -110,11 +109,11 @@ impl Making<'_> {
             Err(_) => (lowest, batch_budget(self.memory, &needs(lowest * factor), REMEDY)?),
         };
         let most = usize::try_from(budget / row_bytes.max(1)).unwrap_or(usize::MAX) / unit * unit;
-        let strip = most.min(MOST_TILE_ROWS * tile.div_ceil(unit) * unit).max(unit);
+        let strip = most.min(self.method.strip_rows(tile, unit)).max(unit);
         // Enough tiles for all threads, where the raster is small; but none that is mostly margins.
         let threads = rayon::current_num_threads();
         let mut tile = [high.min(strip), tile];
-        let least = (TILE / 4 / factor).max(2 * self.cascade.reach());
+        let least = (TILE / 4 / factor).max(2 * self.method.reach());
         while tile[0].max(tile[1]) > least && strip.min(rows).div_ceil(tile[0]) * cols.div_ceil(tile[1]) < 4 * threads {
             let longer = usize::from(tile[1] >= tile[0]);
             tile[longer] = (tile[longer] / 2).max(1);
@@ -126,8 +125,8 @@ impl Making<'_> {
     fn strip(&self, rows: &Range<usize>, tile: [usize; 2]) -> Result<(Vec<f32>, Made)> {
         self.watch.check()?;
         let [height, cols] = self.terrain.size();
-        let factor = self.cascade.factor();
-        let halo = self.cascade.reach() + FILL_REACH;
+        let factor = self.method.factor();
+        let halo = self.method.reach() + self.method.fill_reach();
         let (top, bottom) = (rows.start.saturating_sub(halo), height.min(rows.end + halo));
         let elevations = self.terrain.read([top, 0], [bottom - top, cols])?;
         let strip = Window { corner: [top, 0], size: [bottom - top, cols], elevations };
@@ -156,10 +155,10 @@ impl Making<'_> {
     /// The fine cells of a rectangle of input cells: first row, first column, rows, columns.
     fn tile(&self, strip: &Window, [row, col, rows, cols]: [usize; 4]) -> Result<(Vec<f32>, Made)> {
         let size = self.terrain.size();
-        let factor = self.cascade.factor();
-        let reach = self.cascade.reach();
-        let window = strip.part([row, col], [rows, cols], reach + FILL_REACH, size);
-        let (plane, known) = filled(window.size[0], window.size[1], window.elevations);
+        let factor = self.method.factor();
+        let reach = self.method.reach();
+        let window = strip.part([row, col], [rows, cols], reach + self.method.fill_reach(), size);
+        let (plane, known) = filled_to(self.method.fill_reach(), window.size[0], window.size[1], window.elevations);
         let margin = reach as i64;
         let wanted = [row as i64 - margin, col as i64 - margin, (rows + 2 * reach) as i64, (cols + 2 * reach) as i64];
         let around = extended(&plane, window.corner, size, wanted);
@@ -168,7 +167,7 @@ impl Making<'_> {
         let is_known: Vec<bool> = (0..rows * cols).map(|cell| own(&mask, cell / cols, cell % cols)).collect();
         let truth = around.trimmed(reach);
         let corner = [row, col].map(|at| at as i64 - margin);
-        let fine = self.cascade.amplified(around, mask, corner, self.seed);
+        let fine = self.method.amplified(around, mask, corner, self.seed);
         let mut cells: Vec<f32> = fine.heights_m().iter().map(|&height| height as f32).collect();
         let mut made = Made::NOTHING;
         for (cell, &known) in is_known.iter().enumerate() {
