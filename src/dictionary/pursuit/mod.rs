@@ -2,7 +2,7 @@
 //!
 //! Patches go through in blocks. The product of a block with all atoms, fast and slightly off, nominates; all atoms
 //! that could be the best, given a proved bound of what it can be off, are compared in double precision and one
-//! order, and the first of equals wins. So the result is that of comparing all atoms in double precision, on every
+//! order, and the first of equals wins. Where there are thousands of atoms and one a patch is wanted, a tree nominates. So the result is that of comparing all atoms in double precision, on every
 //! machine and with any number of threads. A patch with missing cells takes just that slow way.
 
 mod projection;
@@ -11,6 +11,7 @@ mod several;
 mod single;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 pub(super) use projection::Projection;
 
@@ -22,11 +23,17 @@ use crate::error::{Error, Result};
 use crate::linalg::{UNDERFLOW, dot, product_error, vectorised};
 use projection::LEAST_NEW;
 use rayon::prelude::*;
+use single::Turn;
+use tree::Tree;
 
 /// Patches of a block.
 const BLOCK: usize = 256;
+/// Patches of a block where atoms are in a tree: like ones are then looked for together.
+const TREE_BLOCK: usize = 8192;
 /// A pursuit ends when an atom would explain less than this part of a patch's square length.
 const LEAST_GAIN: f64 = 1e-14;
+/// Atoms from which on the best of them is looked for in a tree.
+const MANY: usize = 2048;
 /// Most atoms of a patch; more would be no sparse description.
 const MOST_SPARSITY: usize = 64;
 
@@ -62,6 +69,8 @@ pub struct Pursuit {
     squares: Vec<f64>,
     // By how much at most the length of an atom is not 1.
     unequal: f64,
+    // Where there are many, and one a patch is wanted.
+    tree: Option<Tree>,
 }
 
 /// What a terrain is made of besides atoms: their coefficients, and the mean of each patch.
@@ -78,6 +87,8 @@ pub struct Decomposition {
 struct Scratch {
     patches: Vec<f32>,
     scores: Vec<f32>,
+    // Of searches in a tree.
+    turns: Vec<Turn>,
     // Of pursuits of several atoms.
     directions: Vec<f32>,
     overlaps: Vec<f32>,
@@ -101,7 +112,8 @@ impl Pursuit {
         let atoms = shape.scaled(dictionary.values());
         let squares: Vec<f64> = atoms.chunks_exact(shape.disc_values()).map(|atom| dot(atom, atom)).collect();
         let unequal = squares.iter().fold(0.0, |most: f64, square| most.max((square.sqrt() - 1.0).abs()));
-        Ok(Self { shape, sparsity, choice, signs: Signs::Both, atoms, squares, unequal })
+        let pursuit = Self { shape, sparsity, choice, signs: Signs::Both, atoms, squares, unequal, tree: None };
+        Ok(pursuit.with_tree(MANY))
     }
 
     /// The same with other coefficients.
@@ -112,7 +124,15 @@ impl Pursuit {
         if signs == Signs::Positive && self.sparsity > 1 {
             return Err(Error::usage("positive coefficients are found for one atom a patch only"));
         }
-        Ok(Self { signs, ..self })
+        Ok(Self { signs, ..self }.with_tree(MANY))
+    }
+
+    /// The same with a tree where there are at least so many atoms and one a patch is wanted.
+    fn with_tree(self, many: usize) -> Self {
+        let is_signed = self.signs == Signs::Both;
+        let tree = || Tree::new(&self.shape, &self.atoms, &self.squares, is_signed);
+        let tree = (self.sparsity == 1 && self.count() >= many).then(tree);
+        Self { tree, ..self }
     }
 
     /// Finds atoms for all patches of a terrain.
@@ -154,12 +174,15 @@ impl Pursuit {
         let count = values.len() / size;
         let mut codes = Codes::new(count, self.sparsity);
         let mut shifts = vec![0.0; count];
-        let blocks = values.par_chunks(BLOCK * size).zip(codes.blocks_mut(BLOCK)).zip(shifts.par_chunks_mut(BLOCK));
+        let rows = if self.tree.is_some() { TREE_BLOCK } else { BLOCK };
+        let blocks = values.par_chunks(rows * size).zip(codes.blocks_mut(rows)).zip(shifts.par_chunks_mut(rows));
         blocks.enumerate().for_each_init(Scratch::default, |scratch, (block, ((values, mut codes), shifts))| {
             vectorised(
                 #[inline(always)]
                 || {
-                    if self.signs == Signs::Positive {
+                    if let Some(tree) = &self.tree {
+                        self.match_in(tree, values, &mut codes, scratch);
+                    } else if self.signs == Signs::Positive {
                         self.match_single::<false>(values, &mut codes, scratch);
                     } else if self.sparsity == 1 {
                         self.match_single::<true>(values, &mut codes, scratch);
@@ -169,7 +192,7 @@ impl Pursuit {
                 },
             );
             for (row, shift) in shifts.iter_mut().enumerate() {
-                if let Some(known) = known(block * BLOCK + row) {
+                if let Some(known) = known(block * rows + row) {
                     *shift = self.match_partial(&values[row * size..][..size], known, &mut codes, row);
                 }
             }

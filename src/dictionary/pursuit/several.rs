@@ -28,7 +28,7 @@ impl Pursuit {
     fn match_part(&self, values: &[f32], codes: &mut Block, from: usize, scratch: &mut Scratch) {
         let (size, count) = (self.shape.disc_values(), self.count());
         let rows = self.scale_block(values, &mut scratch.patches);
-        let Scratch { patches, scores, directions, overlaps, outside, projections } = scratch;
+        let Scratch { patches, scores, directions, overlaps, outside, projections, .. } = scratch;
         projections.resize_with(projections.len().max(rows), Projection::default);
         let mut whole = [0.0; super::BLOCK];
         let mut active = [false; super::BLOCK];

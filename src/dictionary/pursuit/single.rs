@@ -2,11 +2,21 @@
 
 use super::super::codes::Block;
 use super::scan::{largest, reaching};
-use super::{LEAST_GAIN, Pursuit, Scratch};
+use super::tree::{Short, Tree};
+use super::{LEAST_GAIN, Pursuit, Scratch, Signs};
 use crate::linalg::{UNDERFLOW, dot, product};
 
 /// Atoms of one product; their scores for a block stay in the processor's cache.
 const ATOMS: usize = 512;
+
+/// A patch whose atom is looked for in a tree.
+pub(super) struct Turn {
+    /// Where in the tree it begins.
+    leaf: u32,
+    row: u32,
+    length: f64,
+    short: Short,
+}
 
 /// What is known of a patch so far.
 #[derive(Clone, Copy)]
@@ -21,6 +31,10 @@ struct Best {
     atom: u32,
 }
 
+impl Best {
+    const NONE: Self = Self { length: 0.0, score: 0.0, gain: 0.0, correlation: 0.0, atom: 0 };
+}
+
 impl Pursuit {
     /// Finds the best atom of each patch of a block; unless `SIGNED`, with a positive coefficient.
     #[inline(always)]
@@ -28,8 +42,7 @@ impl Pursuit {
         let size = self.shape.disc_values();
         let rows = self.scale_block(values, &mut scratch.patches);
         let patches = &scratch.patches[..rows * size];
-        let none = Best { length: 0.0, score: 0.0, gain: 0.0, correlation: 0.0, atom: 0 };
-        let mut best = [none; super::BLOCK];
+        let mut best = [Best::NONE; super::BLOCK];
         for (best, patch) in best.iter_mut().zip(patches.chunks_exact(size)) {
             best.length = dot(patch, patch).sqrt();
         }
@@ -60,11 +73,52 @@ impl Pursuit {
             }
         }
         for (row, best) in best[..rows].iter().enumerate() {
-            if best.gain > LEAST_GAIN * best.length * best.length {
-                codes.set(row, &[best.atom], &[best.correlation / self.squares[best.atom as usize]]);
+            self.set(row, best, codes);
+        }
+    }
+
+    /// The same by a tree of the atoms.
+    #[inline(always)]
+    pub(super) fn match_in(&self, tree: &Tree, values: &[f32], codes: &mut Block, scratch: &mut Scratch) {
+        let size = self.shape.disc_values();
+        let rows = self.scale_block(values, &mut scratch.patches);
+        let patch = |row: usize| &scratch.patches[row * size..][..size];
+        let turns = &mut scratch.turns;
+        turns.clear();
+        for row in 0..rows {
+            let length = dot(patch(row), patch(row)).sqrt();
+            if length > 0.0 {
+                let short = tree.short(patch(row), length);
+                turns.push(Turn { leaf: tree.near(&short), row: row as u32, length, short });
             } else {
                 codes.set(row, &[], &[]);
             }
+        }
+        turns.sort_unstable_by_key(|turn| (turn.leaf, turn.row));
+        for turn in turns {
+            let patch = patch(turn.row as usize);
+            let mut best = Best { length: turn.length, ..Best::NONE };
+            tree.search(&turn.short, |k| {
+                let correlation = dot(patch, self.atom(k));
+                let gain = correlation * correlation / self.squares[k];
+                // The first of equals, whatever the order.
+                let is_better = gain > best.gain || (gain == best.gain && (k as u32) < best.atom);
+                if is_better && (self.signs == Signs::Both || correlation > 0.0) {
+                    (best.gain, best.correlation, best.atom) = (gain, correlation, k as u32);
+                }
+                best.gain.sqrt() / best.length
+            });
+            self.set(turn.row as usize, &best, codes);
+        }
+    }
+
+    /// The atom of a patch, if there is one that explains some of it.
+    #[inline(always)]
+    fn set(&self, row: usize, best: &Best, codes: &mut Block) {
+        if best.gain > LEAST_GAIN * best.length * best.length {
+            codes.set(row, &[best.atom], &[best.correlation / self.squares[best.atom as usize]]);
+        } else {
+            codes.set(row, &[], &[]);
         }
     }
 }

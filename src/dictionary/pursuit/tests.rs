@@ -87,7 +87,8 @@ proptest! {
         }
         let each = |choice| Pursuit::new(&dictionary, sparsity, choice).unwrap();
         let positive = Pursuit::new(&dictionary, 1, CHOICES[0]).unwrap().with_signs(Signs::Positive).unwrap();
-        for pursuit in CHOICES.map(each).into_iter().chain([positive]) {
+        let trees = [each(CHOICES[0]), positive.clone()].map(|pursuit| pursuit.with_tree(1));
+        for pursuit in CHOICES.map(each).into_iter().chain([positive]).chain(trees) {
             let sparsity = pursuit.sparsity;
             let (codes, _) = pursuit.match_all(&values, |_| None);
             for (i, patch) in values.chunks(shape.values()).enumerate() {
@@ -109,8 +110,12 @@ fn large_dictionaries_are_matched_in_chunks() {
     let shape = PatchShape::new(4).unwrap();
     let dictionary = dictionary(&shape, 1000, 8);
     let values: Vec<f32> = dictionary.values()[..600 * 16].iter().map(|v| 3.0 * v).collect();
-    for (sparsity, choice) in [(1, CHOICES[0]), (3, CHOICES[0]), (3, CHOICES[1])] {
-        let pursuit = Pursuit::new(&dictionary, sparsity, choice).unwrap();
+    // In a tree of two levels, too.
+    for (sparsity, choice, many) in
+        [(1, CHOICES[0], MANY), (1, CHOICES[0], 1), (3, CHOICES[0], MANY), (3, CHOICES[1], MANY)]
+    {
+        let pursuit = Pursuit::new(&dictionary, sparsity, choice).unwrap().with_tree(many);
+        assert_eq!(pursuit.tree.is_some(), many == 1);
         let (codes, _) = pursuit.match_all(&values, |_| None);
         for i in (0..600).step_by(7) {
             assert_eq!(codes.get(i).0, defined(&pursuit, &values[i * 16..][..16]).0);
