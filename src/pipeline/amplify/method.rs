@@ -49,7 +49,7 @@ impl Method {
         match self {
             Self::Cascade(_) => 4 * tile.div_ceil(unit) * unit,
             // It makes no fine cells beyond a tile's own, so low tiles cost little.
-            Self::Paper(_) => (tile / 2).max(1).div_ceil(unit) * unit,
+            Self::Paper(_) => (tile / 4).max(1).div_ceil(unit) * unit,
         }
     }
 

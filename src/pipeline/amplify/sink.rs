@@ -91,7 +91,10 @@ impl Sink {
     pub(super) fn write(&mut self, row: usize, width: usize, cells: &mut [f32]) -> Result<()> {
         let rows = cells.len() / width;
         match self {
-            Self::Raster(target, _) => target.write(0, [0, row, width, rows], cells),
+            Self::Raster(target, _) => {
+                target.write(0, [0, row, width, rows], cells)?;
+                target.settle(0)
+            }
             Self::Container(writer, path) => {
                 let chunks = chunks(writer.description(), row, width, cells)?;
                 chunks.iter().try_for_each(|chunk| writer.push(chunk)).map_err(|error| error.at_path(path))

@@ -107,6 +107,20 @@ impl StoredTarget {
         self.said_nothing()
     }
 
+    /// Writes what GDAL has kept of a band: whole blocks are not needed again, and only take memory.
+    ///
+    /// # Errors
+    /// When they cannot be written.
+    #[allow(unsafe_code, reason = "the bindings flush whole files only, with all that is said of them")]
+    pub fn settle(&mut self, band: usize) -> Result<()> {
+        take_failures();
+        let raster = self.dataset.rasterband(band + 1).map_err(|error| self.failed(&error))?;
+        // SAFETY: the band lives as long as its dataset, which is borrowed.
+        unsafe { gdal_sys::GDALFlushRasterCache(raster.c_rasterband()) };
+        // Its result says no more than the failures that were reported.
+        self.said_nothing()
+    }
+
     /// Ends the file and gives it its name; returns it and whatever came with it, and what to know of it.
     ///
     /// # Errors
