@@ -281,15 +281,95 @@ fn longitudes_in_the_north() {
         raster.crs = Some("EPSG:4326");
         raster.transform = Some([10.0, step, 0.0, 60.0, 0.0, -step]);
     });
-    let out = inside(&dir, "out.tif");
-    let document = amplify(&input, &out, &exemplar, &["--factor", "4"]);
-    let cell = &document["result"]["cell_m"];
-    let [across, down] = ["across", "down"].map(|side| cell[side].as_f64().expect("a length"));
-    assert!((across - 15.5).abs() < 0.1 && (down - 30.95).abs() < 0.1, "{cell}");
-    let found = deviation(&coarse, 60, &cells(&out).1, 4, None);
-    assert!(found <= 0.01, "{found} m");
-    let warnings = document["warnings"].to_string();
-    assert!(warnings.contains("cells of 30.00 m are larger than those of 15."), "{warnings}");
+    for mode in ["accurate", "realistic", "paper"] {
+        let out = inside(&dir, &format!("{mode}.tif"));
+        let document = amplify(&input, &out, &exemplar, &["--factor", "4", "--mode", mode]);
+        let cell = &document["result"]["cell_m"];
+        let [across, down] = ["across", "down"].map(|side| cell[side].as_f64().expect("a length"));
+        assert!((across - 15.5).abs() < 0.1 && (down - 30.95).abs() < 0.1, "{mode}: {cell}");
+        let (size, fine) = cells(&out);
+        assert_eq!(size, (240, 200));
+        let transform = facts(&out).transform.expect("a place").map(f64::from_bits);
+        assert_eq!(transform, [10.0, step / 4.0, 0.0, 60.0, 0.0, -step / 4.0]);
+        let found = deviation(&coarse, 60, &fine, 4, None);
+        assert!(found <= if mode == "paper" { 250.0 } else { 0.01 }, "{mode}: {found} m");
+        let warnings = document["warnings"].to_string();
+        assert!(warnings.contains("cells of 30.00 m are larger than those of 15."), "{mode}: {warnings}");
+        if mode == "paper" {
+            // Cells of 30 m become those of 30 by 60 m, or, with rows as columns, those of 60 by 30 m: patches of both.
+            let places = |rows: usize, cols: usize| (rows - 31) * (cols - 31);
+            assert_eq!(document["result"]["atoms"], serde_json::json!([places(130, 260) * 2]));
+        }
+    }
+}
+
+/// The sea is a void: it stays as it is to the cell, nothing else becomes it, and land at the coast is as high as before.
+#[test]
+fn coasts_stay() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let island = |raster: &mut Raster<f32>| {
+        raster.nodata = Some(-9999.0);
+        let cells = &mut raster.bands[0];
+        // Bays and headlands, a lone rock, and a strait as wide as a cell.
+        let is_sea = |i: usize| {
+            let (x, y) = ((i % 90) as f64 - 45.0, (i / 90) as f64 - 40.0);
+            let shore = 30.0 + 6.0 * (x / 4.0).sin() + 5.0 * (y / 3.0).cos();
+            (x * x + y * y > shore * shore && i != 3 * 90 + 4) || i % 90 == 50
+        };
+        (0..cells.len()).for_each(|i| cells[i] = if is_sea(i) { -9999.0 } else { cells[i] - 600.0 });
+    };
+    let (input, coarse) = dem(&dir, "input.tif", (90, 80), island);
+    let land = coarse.iter().filter(|&&height| height != -9999.0);
+    let (least, most) = land.clone().fold((f32::MAX, f32::MIN), |(a, b), &v| (a.min(v), b.max(v)));
+    for mode in ["accurate", "realistic", "paper"] {
+        for factor in ["3", "4"] {
+            let out = inside(&dir, &format!("{mode}-{factor}.tif"));
+            let document = amplify(&input, &out, &exemplar, &["--factor", factor, "--mode", mode]);
+            let factor: usize = factor.parse().expect("a number");
+            let (_, fine) = cells(&out);
+            assert_eq!(document["result"]["cells_with_data"], land.clone().count() * factor * factor);
+            // `deviation` compares voids cell by cell.
+            let found = deviation(&coarse, 90, &fine, factor, Some(-9999.0));
+            assert!(found <= if mode == "paper" { 250.0 } else { 0.01 }, "{mode} {factor}: {found} m");
+            // No cell is drawn down to the sea's value.
+            let room = (most - least) / 2.0;
+            let near = |height: f32| height == -9999.0 || (least - room..most + room).contains(&height);
+            assert!(fine.iter().all(|&height| near(height)), "{mode} {factor}");
+        }
+    }
+}
+
+/// What cannot teach, in each mode: smaller than a patch, level, or all voids; beside one that can, it does no harm.
+#[test]
+fn exemplars_that_teach_nothing() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (150, 150), |_| {});
+    let (input, coarse) = dem(&dir, "input.tif", (40, 30), |_| {});
+    let (small, _) = dem(&dir, "small.tif", (5, 4), |_| {});
+    let (flat, _) = dem(&dir, "flat.tif", (150, 150), |raster| raster.bands[0].fill(3.0));
+    let (holed, _) = dem(&dir, "holed.tif", (150, 150), |raster| {
+        raster.nodata = Some(-1.0);
+        // No patch and no neighbourhood is free of voids.
+        (0..150 * 150).filter(|i| i % 150 % 4 == 0 || i / 150 % 4 == 0).for_each(|i| raster.bands[0][i] = -1.0);
+    });
+    for mode in ["accurate", "realistic", "paper"] {
+        for (poor, words) in [(&small, "small.tif: "), (&flat, "flat.tif: "), (&holed, "holed.tif: ")] {
+            let out = inside(&dir, "out.tif");
+            let words = match mode {
+                "paper" if poor == &small => format!("{words}the exemplars are smaller than a patch: 5 x 4 cells"),
+                _ => format!("{words}the exemplars teach nothing"),
+            };
+            let before = listing(dir.path());
+            let run = Run::new(&["amplify", &input, &out, "--exemplar", poor, "--mode", mode]);
+            run.expect(3, &words);
+            run.check(listing(dir.path()) == before, "the folder as it was");
+        }
+        let out = inside(&dir, &format!("{mode}.tif"));
+        amplify(&input, &out, &exemplar, &["--exemplar", &small, &flat, &holed, "--mode", mode]);
+        let found = deviation(&coarse, 40, &cells(&out).1, 4, None);
+        assert!(found <= if mode == "paper" { 250.0 } else { 0.01 }, "{mode}: {found} m");
+    }
 }
 
 #[test]
