@@ -301,6 +301,13 @@ fn longitudes_in_the_north() {
             assert_eq!(document["result"]["atoms"], serde_json::json!([places(130, 260) * 2]));
         }
     }
+    // An exemplar with just the cells that are made is not said to have larger ones.
+    let (alike, _) = dem(&dir, "alike.tif", (200, 200), |raster| {
+        raster.crs = Some("EPSG:4326");
+        raster.transform = Some([10.0, 1.0 / 3600.0, 0.0, 60.0, 0.0, -1.0 / 3600.0]);
+    });
+    let document = amplify(&input, &inside(&dir, "alike-out.tif"), &alike, &["--mode", "paper"]);
+    assert!(!document["warnings"].to_string().contains("are larger"), "{}", document["warnings"]);
 }
 
 /// The sea is a void: it stays as it is to the cell, nothing else becomes it, and land at the coast is as high as before.

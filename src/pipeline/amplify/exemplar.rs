@@ -52,11 +52,10 @@ pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn F
     let exemplar = Plane::new(rows, cols, dem.heights_m());
     drop(dem);
     let made = wanted.input.divided(wanted.factor);
-    let mut excess: f64 = 1.0;
-    let mut fit = |exemplar: Plane, own: CellSize| {
+    let excess = own.excess(made);
+    let fit = |exemplar: Plane, own: CellSize| {
         let larger = own.excess(made).max(1.0);
         let target = if own.is_like(made) { made } else { made.times(larger) };
-        excess = excess.max(own.excess(made));
         match own.is_like(target) {
             true => exemplar,
             false => coarser(&exemplar, target.down_m / own.down_m, target.across_m / own.across_m),
