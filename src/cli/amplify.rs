@@ -6,7 +6,7 @@ use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option
 use super::sparse::StoredInput;
 use crate::amplify::PatchModel;
 use crate::error::{Error, Result};
-use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, run};
+use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, Figures, run};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -26,6 +26,7 @@ use std::path::PathBuf;
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
                         orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3\n  \
                         orograph amplify fixtures/void.tif new.tif --exemplar fixtures/jacksboro.tif --mode realistic\n  \
+                        orograph amplify fixtures/void.tif x.tif --exemplar fixtures/jacksboro.tif --report x.html\n  \
                         orograph amplify fixtures/void.tif old.tif --exemplar fixtures/jacksboro.tif --mode paper")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
@@ -61,6 +62,10 @@ pub(super) struct Amplify {
     /// Option of the output's format; may be given several times.
     #[arg(long = "co", value_name = "KEY=VALUE", help_heading = "Output")]
     options: Vec<String>,
+    /// Also write a page that can be mailed: the middle of the raster before and after, slopes, spectra, and where means
+    /// are off; one HTML file.
+    #[arg(long, value_name = "PAGE.html", help_heading = "Output")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     out: OutputOptions,
     #[command(flatten)]
@@ -155,6 +160,7 @@ impl Amplify {
             seed: self.seed,
             count: self.count,
             output: self.output.clone(),
+            page: self.report.clone(),
             overwrite: self.out.overwrite,
             format: self.format.clone(),
             options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
@@ -173,6 +179,17 @@ impl Amplify {
         reporter.say(&text(&report))?;
         Ok(json(&report))
     }
+}
+
+fn figures(figures: &Figures) -> Value {
+    let side = |i: usize| {
+        json!({
+            "median_slope_deg": figures.median_slope_deg[i],
+            "steep_slope_deg": figures.steep_slope_deg[i],
+            "power_m2_by_wavelength_m": figures.spectra[i],
+        })
+    };
+    json!({ "part": figures.part, "input": side(0), "output": side(1) })
 }
 
 fn text(report: &AmplifyReport) -> String {
@@ -198,6 +215,7 @@ fn json(report: &AmplifyReport) -> Value {
         "atoms": report.atoms,
         "deviation_m": report.deviation_m,
         "format": report.format,
+        "report": report.figures.as_ref().map(figures),
         "seeds": report.seeds,
         "seconds": { "learn": learned, "make": made },
     })

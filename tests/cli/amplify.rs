@@ -456,3 +456,76 @@ fn refusals() {
     Run::new(&["amplify", &input, &small, "--exemplar", &exemplar]).expect(4, "--overwrite");
     Run::new(&["amplify", &input, &inside(&dir, "out.xyzzy"), "--exemplar", &exemplar]).expect(2, "--of");
 }
+
+/// Elements that are opened and closed, in order; what needs no closing has none.
+fn is_well_formed(html: &str) -> bool {
+    let mut open: Vec<&str> = vec![];
+    let mut left = html.strip_prefix("<!DOCTYPE html>").expect("a doctype");
+    while let Some(start) = left.find('<') {
+        let end = start + left[start..].find('>').expect("an end");
+        let tag = &left[start + 1..end];
+        left = &left[end + 1..];
+        let name = tag.trim_start_matches('/').split([' ', '\n', '/']).next().expect("a name");
+        match (tag.starts_with('/'), tag.ends_with('/')) {
+            (true, _) if open.pop() != Some(name) => return false,
+            (false, false) => open.push(name),
+            _ => {}
+        }
+    }
+    open.is_empty()
+}
+
+#[test]
+fn a_page_that_can_be_mailed() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (input, _) = dem(&dir, "a & b.tif", (220, 210), |raster| {
+        raster.nodata = Some(-1.0);
+        (0..40).for_each(|i| raster.bands[0][i * 577 + 99] = -1.0);
+    });
+    let (out, page) = (inside(&dir, "out.tif"), inside(&dir, "page.html"));
+    let mut known: Option<String> = None;
+    for threads in ["1", "3"] {
+        let options = ["--report", &page, "-j", threads, "--overwrite"];
+        let document = amplify(&input, &out, &exemplar, &options);
+        assert_eq!(document["outputs"], serde_json::json!([out, page]));
+        let html = fs::read_to_string(&page).expect("the page");
+        assert!(known.get_or_insert_with(|| html.clone()) == &html, "the same bytes with other threads");
+        assert!(is_well_formed(&html));
+        // All is in it: two pictures, three charts, and no address but the name of SVG.
+        assert_eq!(html.matches("src=\"data:image/png;base64,iVBORw0KGgo").count(), 2);
+        assert_eq!((html.matches("src=").count(), html.matches("<svg ").count()), (2, 3));
+        assert_eq!(html.matches("://").count(), html.matches("http://www.w3.org/2000/svg").count());
+        assert!(html.contains("<h1>a &amp; b.tif, 4 times finer</h1>"));
+        // Numbers are those of the document.
+        let number = |value: &Value| value.as_f64().expect("a number");
+        let result = &document["result"];
+        assert!(html.contains(&format!("<td>{} m</td>", number(&result["deviation_m"]))));
+        let report = &result["report"];
+        assert_eq!(report["part"], serde_json::json!([9, 14, 192, 192]));
+        for what in ["median_slope_deg", "steep_slope_deg"] {
+            let [input, output] = ["input", "output"].map(|side| number(&report[side][what]));
+            assert!(html.contains(&format!("<td>{input} degrees in the input, {output} degrees in the output</td>")));
+        }
+        let spectra = ["input", "output"].map(|side| report[side]["power_m2_by_wavelength_m"].as_array().expect("one"));
+        assert!(spectra[1].len() == spectra[0].len() + 2, "two octaves more");
+        for (i, point) in spectra[1].iter().enumerate() {
+            let [wavelength, power] = [&point[0], &point[1]].map(number);
+            let before = spectra[0].get(i).map_or("none".into(), |point| format!("{} m²", number(&point[1])));
+            let words = format!("at {wavelength} m</th><td>{before} in the input, {power} m² in the output</td>");
+            assert!(html.contains(&words), "{words}");
+        }
+    }
+    // A page in the way is not replaced, and then nothing is written; a raster of a cell has one too.
+    let (other, _) = dem(&dir, "cell.tif", (1, 1), |_| {});
+    let before = listing(dir.path());
+    let new = inside(&dir, "new.tif");
+    let run = Run::new(&["amplify", &other, &new, "--exemplar", &exemplar, "--report", &page]);
+    run.expect(4, "page.html");
+    run.check(listing(dir.path()) == before, "the folder as it was");
+    let small = inside(&dir, "cell.html");
+    let document = amplify(&other, &new, &exemplar, &["--report", &small, "--mode", "paper"]);
+    assert!(document["result"]["report"]["output"]["median_slope_deg"].is_f64(), "{document}");
+    assert!(document["result"]["report"]["input"]["median_slope_deg"].is_null(), "{document}");
+    assert!(is_well_formed(&fs::read_to_string(&small).expect("the page")));
+}

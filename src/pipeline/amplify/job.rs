@@ -1,6 +1,7 @@
 //! What is to be done, what was done, and doing it.
 
 use super::exemplar::{self, Wanted};
+use super::glance::{Figures, Glance};
 use super::likeness::median_slope;
 use super::method::Method;
 use super::sink::Output;
@@ -8,10 +9,11 @@ use super::strips::Making;
 use super::terrain::Terrain;
 use crate::amplify::{Cascade, Paper, PatchModel, Plane, steps_of};
 use crate::error::{Error, ErrorKind, Result};
+use crate::io::output::Output as PageOutput;
 use crate::io::raster::stored::StoredOptions;
 use crate::units::LengthUnit;
 use crate::watch::Watch;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Rows and columns in the middle of the input of which slopes are compared.
@@ -66,6 +68,8 @@ pub struct AmplifyJob {
     pub count: usize,
     /// Where to write. Where there are several, each has its number before the extension, from 1.
     pub output: PathBuf,
+    /// Where to write a page with pictures, charts and numbers, of the first terrain.
+    pub page: Option<PathBuf>,
     /// Whether an existing output may be replaced.
     pub overwrite: bool,
     /// GDAL's name of the format; after the output's extension unless given.
@@ -91,7 +95,9 @@ pub struct AmplifyReport {
     pub deviation_m: f64,
     /// The format that was written.
     pub format: String,
-    /// The files written.
+    /// The numbers of the page.
+    pub figures: Option<Figures>,
+    /// The files written, the page last.
     pub outputs: Vec<PathBuf>,
     /// Seed of each output, in the order of the files.
     pub seeds: Vec<u64>,
@@ -125,6 +131,7 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         let output = Output { path, overwrite: job.overwrite, format: job.format.as_deref(), options: &job.options };
         sinks.push(output.begin(&record)?);
     }
+    let page = job.page.as_ref().map(|path| PageOutput::begin(path, job.overwrite)).transpose()?;
     sinks[0].notes(&job.options).iter().for_each(|note| warn(note));
     let method = learned(job, &terrain, watch, warn)?;
     let atoms = match &method {
@@ -145,9 +152,10 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
     let void = record.bands[0].nodata_value().map_or(f32::NAN, |value| value as f32);
     let seeds: Vec<u64> = (0..sinks.len() as u64).map(|number| job.seed.wrapping_add(number)).collect();
     let (mut cells, mut deviation) = (0, 0.0f64);
-    for (&seed, sink) in seeds.iter().zip(&mut sinks) {
+    let mut glance = page.as_ref().map(|_| Glance::new(terrain.size(), job.factor));
+    for (number, (&seed, sink)) in seeds.iter().zip(&mut sinks).enumerate() {
         let making = Making { terrain: &terrain, method: &method, void, seed, memory: job.memory, watch };
-        let made = making.run(sink).map_err(|error| match error.kind() {
+        let made = making.run(sink, glance.as_mut().filter(|_| number == 0)).map_err(|error| match error.kind() {
             ErrorKind::Output | ErrorKind::Interrupted => error,
             _ => error.at_path(&job.input),
         })?;
@@ -159,14 +167,32 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         deviation = deviation.max(made.deviation);
     }
     let format = sinks[0].format().to_string();
+    let cell = terrain.cell.divided(job.factor);
+    let page = page.zip(glance).map(|(output, glance)| {
+        let facts = facts(job, &terrain, deviation * terrain.unit_m());
+        let (figures, html) = glance.page(&terrain, &title(job), facts)?;
+        std::fs::write(output.path(), html).map_err(|error| {
+            let message = format!("the page cannot be written ({error}); is there room left?");
+            Error::new(ErrorKind::Output, message).at_path(output.target())
+        })?;
+        Ok::<_, Error>((output, figures))
+    });
+    let page = page.transpose()?;
     let (mut outputs, mut notes): (Vec<PathBuf>, Vec<String>) = (vec![], vec![]);
     for sink in sinks {
         let (written, own) = sink.finish()?;
         outputs.extend(written);
         notes.extend(own);
     }
+    let figures = match page {
+        None => None,
+        Some((output, figures)) => {
+            outputs.push(output.target().to_path_buf());
+            output.finish()?;
+            Some(figures)
+        }
+    };
     notes.iter().for_each(|note| warn(note));
-    let cell = terrain.cell.divided(job.factor);
     Ok(AmplifyReport {
         size: [record.height, record.width],
         cell_m: [cell.across_m, cell.down_m],
@@ -174,10 +200,43 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         atoms,
         deviation_m: deviation * terrain.unit_m(),
         format,
+        figures,
         outputs,
         seeds,
         times: [learned, begun.elapsed()],
     })
+}
+
+/// A page's title.
+fn title(job: &AmplifyJob) -> String {
+    format!("{}, {} times finer", name(&job.input), job.factor)
+}
+
+/// What a page says at its head.
+fn facts(job: &AmplifyJob, terrain: &Terrain, deviation_m: f64) -> Vec<(String, String)> {
+    let [rows, cols] = terrain.size();
+    let exemplars: Vec<String> = job.exemplars.iter().map(|path| name(path)).collect();
+    let mode = match job.mode {
+        Mode::Accurate => "accurate: the best estimate of the true heights",
+        Mode::Realistic => "realistic: one of the terrains that there may be",
+        Mode::Paper => "paper: patches of the exemplars in place of the input's",
+    };
+    let facts = [
+        ("input", format!("{}: {cols} x {rows} cells of {}", name(&job.input), terrain.cell)),
+        ("output", {
+            let cell = terrain.cell.divided(job.factor);
+            format!("{}: {} x {} cells of {cell}", name(&job.output), cols * job.factor, rows * job.factor)
+        }),
+        ("exemplars", exemplars.join(", ")),
+        ("mode", format!("{mode}; seed {}", job.seed)),
+        ("means of cells are off by at most", format!("{deviation_m} m")),
+    ];
+    facts.map(|(name, words)| (name.to_string(), words)).to_vec()
+}
+
+/// A file's name without its folder.
+fn name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Where each terrain is written: `OUT.tif`, or `OUT-1.tif` and so on.

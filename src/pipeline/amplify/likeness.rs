@@ -6,9 +6,9 @@ use crate::amplify::Plane;
 /// Slopes that differ by more than this factor are those of another kind of terrain.
 const UNLIKE: f64 = 2.0;
 
-/// The median slope of heights in metres (NaN for voids), as rise over run: central differences in the cells that have
-/// data at all four sides. Nothing where there is no such cell.
-pub(super) fn median_slope(plane: &Plane, cell: CellSize) -> Option<f64> {
+/// The slopes of heights in metres (NaN for voids), as rise over run: central differences in the cells that have data at
+/// all four sides.
+pub(super) fn slopes(plane: &Plane, cell: CellSize) -> Vec<f64> {
     let mut slopes = vec![];
     for row in 1..plane.rows().saturating_sub(1) {
         let [above, own, below] = [row - 1, row, row + 1].map(|row| plane.row(row));
@@ -21,6 +21,12 @@ pub(super) fn median_slope(plane: &Plane, cell: CellSize) -> Option<f64> {
             }
         }
     }
+    slopes
+}
+
+/// The median slope. Nothing where no cell has one.
+pub(super) fn median_slope(plane: &Plane, cell: CellSize) -> Option<f64> {
+    let mut slopes = slopes(plane, cell);
     let middle = slopes.len() / 2;
     (!slopes.is_empty()).then(|| *slopes.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

@@ -1,5 +1,6 @@
 //! Makes the output strip by strip, each in tiles that the threads share.
 
+use super::glance::Glance;
 use super::method::Method;
 use super::sink::Sink;
 use super::terrain::Terrain;
@@ -48,6 +49,13 @@ impl Made {
     }
 }
 
+/// Fine cells of a rectangle of input cells, how far the mean of each of these is off, NaN for voids, and all in all.
+struct Strip {
+    cells: Vec<f32>,
+    deviations: Vec<f64>,
+    made: Made,
+}
+
 /// Rows of input cells of a strip, and rows and columns of a tile.
 #[derive(Clone, Copy, Debug)]
 struct Plan {
@@ -67,7 +75,7 @@ impl Making<'_> {
     ///
     /// # Errors
     /// When a part cannot be read or written, memory does not suffice, or the job is cancelled.
-    pub(super) fn run(&self, sink: &mut Sink) -> Result<Made> {
+    pub(super) fn run(&self, sink: &mut Sink, mut glance: Option<&mut Glance>) -> Result<Made> {
         let [rows, cols] = self.terrain.size();
         let plan = self.plan(sink.rows())?;
         let factor = self.method.factor();
@@ -77,10 +85,14 @@ impl Making<'_> {
         let mut made = Made::NOTHING;
         let mut coming = strips.first().map(|rows| self.strip(rows, plan.tile)).transpose()?;
         for (i, rows) in strips.iter().enumerate() {
-            let Some((mut cells, found)) = coming.take() else { break };
-            made = made.joined(found);
+            let Some(mut strip) = coming.take() else { break };
+            made = made.joined(strip.made);
+            if let Some(glance) = &mut glance {
+                glance.take(rows, &strip.cells, &strip.deviations);
+            }
             let next = || strips.get(i + 1).map(|rows| self.strip(rows, plan.tile)).transpose();
-            let (next, written) = rayon::join(next, || sink.write(rows.start * factor, cols * factor, &mut cells));
+            let (next, written) =
+                rayon::join(next, || sink.write(rows.start * factor, cols * factor, &mut strip.cells));
             written?;
             coming = next?;
         }
@@ -122,7 +134,7 @@ impl Making<'_> {
     }
 
     /// The fine cells of some rows of input cells.
-    fn strip(&self, rows: &Range<usize>, tile: [usize; 2]) -> Result<(Vec<f32>, Made)> {
+    fn strip(&self, rows: &Range<usize>, tile: [usize; 2]) -> Result<Strip> {
         self.watch.check()?;
         let [height, cols] = self.terrain.size();
         let factor = self.method.factor();
@@ -138,22 +150,26 @@ impl Making<'_> {
                 (0..cols).step_by(tile[1]).map(move |col| [row, col, high, tile[1].min(cols - col)])
             })
             .collect();
-        let made: Vec<Result<(Vec<f32>, Made)>> = tiles.par_iter().map(|&tile| self.tile(&strip, tile)).collect();
+        let made: Vec<Result<Strip>> = tiles.par_iter().map(|&tile| self.tile(&strip, tile)).collect();
         let mut cells = vec![0.0; rows.len() * factor * cols * factor];
+        let mut deviations = vec![0.0; rows.len() * cols];
         let mut all = Made::NOTHING;
         for ([row, col, _, wide], made) in tiles.into_iter().zip(made) {
-            let (own, found) = made?;
-            all = all.joined(found);
-            for (line, own) in own.chunks_exact(wide * factor).enumerate() {
+            let own = made?;
+            all = all.joined(own.made);
+            for (line, own) in own.deviations.chunks_exact(wide).enumerate() {
+                deviations[(row - rows.start + line) * cols + col..][..wide].copy_from_slice(own);
+            }
+            for (line, own) in own.cells.chunks_exact(wide * factor).enumerate() {
                 let start = ((row - rows.start) * factor + line) * cols * factor + col * factor;
                 cells[start..start + own.len()].copy_from_slice(own);
             }
         }
-        Ok((cells, all))
+        Ok(Strip { cells, deviations, made: all })
     }
 
     /// The fine cells of a rectangle of input cells: first row, first column, rows, columns.
-    fn tile(&self, strip: &Window, [row, col, rows, cols]: [usize; 4]) -> Result<(Vec<f32>, Made)> {
+    fn tile(&self, strip: &Window, [row, col, rows, cols]: [usize; 4]) -> Result<Strip> {
         let size = self.terrain.size();
         let factor = self.method.factor();
         let reach = self.method.reach();
@@ -170,6 +186,7 @@ impl Making<'_> {
         let fine = self.method.amplified(around, mask, corner, self.seed);
         let mut cells: Vec<f32> = fine.heights_m().iter().map(|&height| height as f32).collect();
         let mut made = Made::NOTHING;
+        let mut deviations = vec![f64::NAN; is_known.len()];
         for (cell, &known) in is_known.iter().enumerate() {
             let corner = (cell / cols * cols * factor + cell % cols) * factor;
             let mut sum = 0.0;
@@ -188,10 +205,11 @@ impl Making<'_> {
                 made.cells += (factor * factor) as u64;
                 let deviation = (sum / (factor * factor) as f64 - truth.heights_m()[cell]).abs();
                 made.deviation = made.deviation.max(deviation);
+                deviations[cell] = deviation;
             }
         }
         self.watch.advance((rows * cols) as u64)?;
-        Ok((cells, made))
+        Ok(Strip { cells, deviations, made })
     }
 }
 

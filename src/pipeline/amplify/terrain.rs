@@ -1,6 +1,7 @@
 //! The input: one band, read window by window as heights.
 
 use super::cell_size::CellSize;
+use crate::crs::Crs;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{GeoTransform, SampleType};
 use crate::io::raster::parse_crs;
@@ -61,6 +62,20 @@ impl Terrain {
     /// Rows and columns.
     pub(super) fn size(&self) -> [usize; 2] {
         [self.input.record().height, self.input.record().width]
+    }
+
+    /// Where its cells lie, if that is known.
+    pub(super) fn transform(&self) -> Option<GeoTransform> {
+        self.input.record().transform
+    }
+
+    /// The system of its coordinates, if that is known.
+    ///
+    /// # Errors
+    /// When it cannot be made out.
+    pub(super) fn crs(&self) -> Result<Option<Crs>> {
+        let crs = self.input.record().crs.as_deref().map(parse_crs).transpose();
+        crs.map_err(|error| error.at_path(&self.path))
     }
 
     /// What a user should know of how it is read.
