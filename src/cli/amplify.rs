@@ -4,9 +4,11 @@ use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option, unit_of};
 use super::sparse::StoredInput;
+use super::wrong_value;
 use crate::amplify::PatchModel;
 use crate::error::{Error, Result};
 use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, Figures, run};
+use crate::units::parse_length_m;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -20,7 +22,7 @@ use std::path::PathBuf;
 /// the terrains that there may be, as rough as true ones and with no more pits; another for each seed. Water, cells
 /// exactly as high as those around them, stays level in it. Mode paper puts patches of the exemplars in place of the
 /// input's that are most like them, as Guérin et al. (2016) have it; it keeps the look of the exemplars, but not the
-/// means. Exemplars may have any unit, CRS and cells; those with cells of about the size that is to be made teach most.
+/// means. With --sketch terrain is made of a drawn map. Exemplars may have any unit, CRS and cells; those with cells of about the size that is to be made teach most.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
@@ -41,6 +43,13 @@ pub(super) struct Amplify {
     /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7 unless in mode paper.
     #[arg(long, value_name = "N", default_value_t = 4)]
     factor: usize,
+    /// The input is a hand-drawn map: greys of 8 or 16 bits, which stand for --heights. Where it does not say where it
+    /// lies, --bbox and --crs do.
+    #[arg(long, requires = "heights")]
+    sketch: bool,
+    /// What black and white stand for in a sketch, such as 200m,3000m.
+    #[arg(long, value_name = "LOW,HIGH", requires = "sketch", allow_hyphen_values = true)]
+    heights: Option<String>,
     /// What the result is to be.
     #[arg(long, value_enum, default_value_t = Mode::Accurate)]
     mode: Mode,
@@ -149,6 +158,7 @@ impl Amplify {
             input: self.input.clone(),
             raster: self.raster.meant()?,
             unit: unit_of(self.raster.vertical_unit.as_deref())?,
+            sketch_m: self.sketch_m()?,
             exemplars: self.exemplars.clone(),
             factor: self.factor,
             mode: match self.mode {
@@ -166,6 +176,22 @@ impl Amplify {
             options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
             memory: self.memory.bytes()?,
         })
+    }
+
+    /// The heights of a sketch.
+    fn sketch_m(&self) -> Result<Option<[f64; 2]>> {
+        let Some(text) = &self.heights else { return Ok(None) };
+        if self.raster.vertical_unit.is_some() {
+            return Err(Error::usage("--vertical-unit: the elevations of a sketch are those of --heights"));
+        }
+        let wrong = || Error::usage(format!("--heights {text}: expected LOW,HIGH, such as 200m,3000m"));
+        let (low, high) = text.split_once(',').ok_or_else(wrong)?;
+        let length = |text: &str| parse_length_m(text).map_err(|error| wrong_value("--heights", &error));
+        let heights_m = [length(low)?, length(high)?];
+        if heights_m[0] >= heights_m[1] {
+            return Err(wrong());
+        }
+        Ok(Some(heights_m))
     }
 
     pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {

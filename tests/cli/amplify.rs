@@ -529,3 +529,69 @@ fn a_page_that_can_be_mailed() {
     assert!(document["result"]["report"]["input"]["median_slope_deg"].is_null(), "{document}");
     assert!(is_well_formed(&fs::read_to_string(&small).expect("the page")));
 }
+
+/// Greys are heights, and the options say where they lie.
+#[test]
+fn sketches() {
+    let dir = folder();
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (220, 220), |_| {});
+    let size = (60, 40);
+    let greys: Vec<u8> = terrain(60, 40).into_iter().map(|v| (v * 255.0) as u8).collect();
+    let drawn = |name: &str| {
+        let path = inside(&dir, name);
+        let raster = Raster { transform: None, crs: None, ..Raster::new(size, vec![greys.clone()]) };
+        raster.write(&path);
+        path
+    };
+    let (tif, png) = (drawn("sketch.tif"), inside(&dir, "sketch.png"));
+    let copy = gdal::DriverManager::get_driver_by_name("PNG").expect("GDAL writes PNG");
+    let file = gdal::Dataset::open(&tif).expect("the sketch");
+    file.create_copy(&copy, &png, &Default::default()).expect("a copy").close().expect("written");
+    let place = ["--bbox", "500000,5200000,503000,5202000", "--crs", "EPSG:32632"];
+    let sketch = ["--sketch", "--heights", "100m,1.12km"];
+    let heights: Vec<f32> = greys.iter().map(|&grey| 100.0 + f32::from(grey) * (1020.0 / 255.0)).collect();
+    for mode in ["accurate", "realistic", "paper"] {
+        let out = inside(&dir, &format!("{mode}.tif"));
+        let document = amplify(&png, &out, &exemplar, &[&sketch[..], &place, &["--mode", mode]].concat());
+        assert_eq!(document["result"]["cell_m"], serde_json::json!({ "across": 12.5, "down": 12.5 }));
+        let found = facts(&out);
+        assert_eq!((found.size, &found.bands[0].unit[..]), ((240, 160), "m"));
+        let transform = found.transform.expect("a place").map(f64::from_bits);
+        assert_eq!(transform, [500_000.0, 12.5, 0.0, 5_202_000.0, 0.0, -12.5]);
+        let off = deviation(&heights, 60, &cells(&out).1, 4, None);
+        assert!(off <= if mode == "paper" { 250.0 } else { 0.01 }, "{mode}: {off} m");
+        // As GeoTIFF it is the same.
+        let again = inside(&dir, "again.tif");
+        amplify(&tif, &again, &exemplar, &[&sketch[..], &place, &["--mode", mode, "--overwrite"]].concat());
+        assert!(fs::read(&again).expect("the output") == fs::read(&out).expect("the output"), "{mode}");
+    }
+    // Sixteen bits, a place of its own, of which a box is a part.
+    let wide = inside(&dir, "wide.tif");
+    let cells_16: Vec<u16> = greys.iter().map(|&grey| u16::from(grey) * 257).collect();
+    Raster::new(size, vec![cells_16]).write(&wide);
+    let out = inside(&dir, "part.tif");
+    let bbox = ["--bbox", "500000,5199700,500600,5200000", "--factor", "2"];
+    amplify(&wide, &out, &exemplar, &[&sketch[..], &bbox].concat());
+    let part: Vec<f32> = (0..200).map(|i| heights[i / 20 * 60 + i % 20]).collect();
+    let (found, fine) = cells(&out);
+    assert_eq!(found, (40, 20));
+    assert!(deviation(&part, 20, &fine, 2, None) <= 0.01);
+
+    let (float, _) = dem(&dir, "float.tif", (40, 40), |_| {});
+    let before = listing(dir.path());
+    for (input, options, words) in [
+        (&tif, &sketch[..], "sketch.tif: the sketch does not say where it lies: say it with --bbox"),
+        (&float, &sketch, "float.tif: a sketch has greys of 8 or 16 bits, and this is Float32"),
+        (&tif, &[&sketch[..], &["--bbox", "3,0,1,2"]].concat(), "expected xmin,ymin,xmax,ymax"),
+        (&tif, &["--sketch"], "--heights"),
+        (&tif, &["--heights", "1,2"], "--sketch"),
+        (&tif, &["--sketch", "--heights", "3000,200"], "--heights 3000,200: expected LOW,HIGH"),
+        (&tif, &["--sketch", "--heights", "200"], "--heights 200: expected LOW,HIGH"),
+        (&tif, &["--sketch", "--heights", "200,x"], "--heights"),
+        (&tif, &[&sketch[..], &["--vertical-unit", "ft"]].concat(), "--vertical-unit"),
+    ] {
+        let run = Run::new(&[&["amplify", input, &inside(&dir, "new.tif"), "--exemplar", &exemplar], options].concat());
+        run.expect(2, words);
+        run.check(listing(dir.path()) == before, "the folder as it was");
+    }
+}

@@ -53,6 +53,8 @@ pub struct AmplifyJob {
     pub raster: StoredOptions,
     /// Unit of its elevations; replaces a declared one.
     pub unit: Option<LengthUnit>,
+    /// The elevations in metres of black and of white, where the input is a hand-drawn map of greys.
+    pub sketch_m: Option<[f64; 2]>,
     /// DEMs to learn from.
     pub exemplars: Vec<PathBuf>,
     /// How many times finer the cells become.
@@ -116,7 +118,10 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         Mode::Paper => job.model.steps(job.factor)?,
     };
     let paths = paths(job)?;
-    let terrain = Terrain::open(&job.input, &job.raster, job.unit.as_ref())?;
+    let terrain = match job.sketch_m {
+        Some(heights_m) => Terrain::open_sketch(&job.input, &job.raster, heights_m)?,
+        None => Terrain::open(&job.input, &job.raster, job.unit.as_ref())?,
+    };
     terrain.notes().iter().for_each(|note| warn(note));
     let [rows, cols] = terrain.size();
     if [rows, cols].iter().any(|side| side.saturating_mul(job.factor) > i32::MAX as usize) {

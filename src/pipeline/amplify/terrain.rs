@@ -15,6 +15,10 @@ use std::path::{Path, PathBuf};
 pub(super) struct Terrain {
     path: PathBuf,
     input: Input,
+    /// What is said of it: by the file, and of a sketch by the job.
+    record: Record,
+    /// The elevations of black and of white, and the value that white has, where it is a sketch.
+    greys: Option<([f64; 2], f64)>,
     /// Metres in a unit of its elevations.
     unit_m: f64,
     /// Size of its cells.
@@ -29,7 +33,61 @@ impl Terrain {
     /// When it cannot be opened, there are several bands and none is named, or its unit is not known.
     pub(super) fn open(path: &Path, options: &StoredOptions, unit: Option<&LengthUnit>) -> Result<Self> {
         let input = Input::open(path, options)?;
-        let record = input.record();
+        let record = input.record().clone();
+        Self::of(path, input, record, None, unit)
+    }
+
+    /// Opens a sketch: a drawn map whose greys stand for elevations in metres, those of black and of white. Where the file
+    /// does not say where it lies, the options' box is its place, and else what is read of it.
+    ///
+    /// # Errors
+    /// As [`Terrain::open`]; cells of other than 8 or 16 bits, and a place that is not known.
+    pub(super) fn open_sketch(path: &Path, options: &StoredOptions, heights_m: [f64; 2]) -> Result<Self> {
+        let whole = StoredOptions { bbox: None, ..options.clone() };
+        let mut input = Input::open(path, &whole)?;
+        let mut record = input.record().clone();
+        match (record.transform, options.bbox) {
+            (Some(_), Some(_)) => {
+                input = Input::open(path, options)?;
+                record = input.record().clone();
+            }
+            (Some(_), None) => {}
+            (None, Some([left, bottom, right, top])) => {
+                let (wide, high) = (right - left, top - bottom);
+                if !(wide > 0.0 && high > 0.0 && wide.is_finite() && high.is_finite()) {
+                    let message = format!("--bbox {left},{bottom},{right},{top}: expected xmin,ymin,xmax,ymax");
+                    return Err(Error::usage(message));
+                }
+                let (cols, rows) = (record.width as f64, record.height as f64);
+                record.transform = Some(GeoTransform([left, wide / cols, 0.0, top, 0.0, -high / rows]));
+            }
+            (None, None) => {
+                let message = "the sketch does not say where it lies: say it with --bbox xmin,ymin,xmax,ymax and --crs";
+                return Err(Error::usage(message).at_path(path));
+            }
+        }
+        let white = match record.bands.first().map(|band| band.sample) {
+            Some(SampleType::U8) => f64::from(u8::MAX),
+            Some(SampleType::U16) => f64::from(u16::MAX),
+            other => {
+                let kind = other.map_or("nothing", SampleType::name);
+                let message = format!("a sketch has greys of 8 or 16 bits, and this is {kind}; leave --sketch away");
+                return Err(Error::usage(message).at_path(path));
+            }
+        };
+        for band in &mut record.bands {
+            (band.unit, band.scale, band.offset) = ("m".into(), None, None);
+        }
+        Self::of(path, input, record, Some((heights_m, white)), None)
+    }
+
+    fn of(
+        path: &Path,
+        input: Input,
+        record: Record,
+        greys: Option<([f64; 2], f64)>,
+        unit: Option<&LengthUnit>,
+    ) -> Result<Self> {
         let [band] = record.bands.as_slice() else {
             let bands = record.bands.len();
             let message = format!("{bands} bands, and one is made finer: choose it with --band");
@@ -56,17 +114,17 @@ impl Terrain {
             let message = format!("the geotransform {:?} gives cells no size", transform.0);
             return Err(Error::new(ErrorKind::Unsupported, message).at_path(path));
         }
-        Ok(Self { path: path.to_path_buf(), unit_m, cell, input })
+        Ok(Self { path: path.to_path_buf(), unit_m, cell, input, record, greys })
     }
 
     /// Rows and columns.
     pub(super) fn size(&self) -> [usize; 2] {
-        [self.input.record().height, self.input.record().width]
+        [self.record.height, self.record.width]
     }
 
     /// Where its cells lie, if that is known.
     pub(super) fn transform(&self) -> Option<GeoTransform> {
-        self.input.record().transform
+        self.record.transform
     }
 
     /// The system of its coordinates, if that is known.
@@ -74,7 +132,7 @@ impl Terrain {
     /// # Errors
     /// When it cannot be made out.
     pub(super) fn crs(&self) -> Result<Option<Crs>> {
-        let crs = self.input.record().crs.as_deref().map(parse_crs).transpose();
+        let crs = self.record.crs.as_deref().map(parse_crs).transpose();
         crs.map_err(|error| error.at_path(&self.path))
     }
 
@@ -96,7 +154,10 @@ impl Terrain {
         let cells = self.input.read(0, [col, row, cols, rows])?;
         let band = &self.input.record().bands[0];
         let void = band.nodata.map(|bits| bits.to_le_bytes());
-        let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+        let (scale, offset) = match self.greys {
+            Some(([black_m, white_m], white)) => ((white_m - black_m) / white, black_m),
+            None => (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0)),
+        };
         #[expect(clippy::useless_conversion, reason = "one of the types is a double already")]
         let heights: Vec<f64> = with_cells!(&cells, cells => cells
             .iter()
@@ -116,7 +177,7 @@ impl Terrain {
 
     /// What a finer raster of it says of itself: single precision in the same unit, at the same place.
     pub(super) fn finer_record(&self, factor: usize) -> Record {
-        let record = self.input.record();
+        let record = &self.record;
         let band = &record.bands[0];
         // A value that single precision does not have stands for voids no better than NaN.
         let nodata = band.nodata_value().map(|value| value as f32).filter(|value| value.is_finite());
