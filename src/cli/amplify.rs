@@ -22,7 +22,8 @@ use std::path::PathBuf;
 /// the terrains that there may be, as rough as true ones and with no more pits; another for each seed. Water, cells
 /// exactly as high as those around them, stays level in it. Mode paper puts patches of the exemplars in place of the
 /// input's that are most like them, as Guérin et al. (2016) have it; it keeps the look of the exemplars, but not the
-/// means. With --sketch terrain is made of a drawn map. Exemplars may have any unit, CRS and cells; those with cells of about the size that is to be made teach most.
+/// means. With --sketch terrain is made of a drawn map. Exemplars may have any unit, CRS and cells; those with cells of
+/// about the size that is to be made teach most.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \

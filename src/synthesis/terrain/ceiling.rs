@@ -3,31 +3,55 @@
 use super::crest::Crest;
 use super::membrane::stretch;
 use super::skeleton::Skeleton;
-use rayon::prelude::*;
+
+/// Cells of the raster along a side of those on which the ceiling is told.
+const STEP: usize = 2;
 
 /// As high as the peaks of the ridges beside, in metres: stretched between the ridges, and nowhere higher than the peak of
-/// the nearest. Ground that is higher would be what these peaks are to be.
-pub(super) fn ceiling(crest: &Crest, skeleton: &Skeleton) -> Vec<f32> {
-    let is_crest: Vec<bool> = (0..crest.z_m.len()).map(|cell| crest.is(cell)).collect();
-    let top_m = |cell: usize| match crest.peak(skeleton, cell) {
-        Some(peak) => skeleton.peaks[peak as usize].elevation_m as f32,
-        None => crest.z_m[cell],
-    };
-    let tops_m =
-        is_crest.iter().enumerate().map(|(cell, &is_crest)| if is_crest { top_m(cell) } else { f32::INFINITY });
-    let mut ceiling_m: Vec<f32> = tops_m.collect();
-    let nearest_m = nearest(&ceiling_m, &is_crest, skeleton);
-    stretch(&mut ceiling_m, &is_crest, skeleton.size, skeleton.cell_m, 0.0);
-    ceiling_m.par_iter_mut().zip(&nearest_m).for_each(|(own, nearest)| *own = own.min(*nearest));
-    ceiling_m
+/// the nearest. Ground that is higher would be what these peaks are to be. Told on larger cells, where the lowest of
+/// several peaks counts.
+pub(super) struct Ceiling {
+    cols: usize,
+    z_m: Vec<f32>,
+}
+
+impl Ceiling {
+    /// The ceiling over the ground between the ridges of a crest.
+    pub(super) fn of(crest: &Crest, skeleton: &Skeleton) -> Self {
+        let size = skeleton.size.map(|count| count.div_ceil(STEP));
+        let cell_m = skeleton.cell_m.map(|side| side * STEP as f64);
+        let mut tops_m = vec![f32::INFINITY; size[0] * size[1]];
+        for cell in (0..crest.z_m.len()).filter(|&cell| crest.is(cell)) {
+            let peak = crest.peak(skeleton, cell).map(|peak| skeleton.peaks[peak as usize].elevation_m as f32);
+            let top = &mut tops_m[cell / crest.cols / STEP * size[1] + cell % crest.cols / STEP];
+            *top = top.min(peak.unwrap_or(crest.z_m[cell]));
+        }
+        let is_crest: Vec<bool> = tops_m.iter().map(|top_m| top_m.is_finite()).collect();
+        let (nearest_m, stretched_m) = rayon::join(
+            || nearest(&tops_m, &is_crest, size, cell_m),
+            || {
+                let mut z_m = tops_m.clone();
+                stretch(&mut z_m, &is_crest, size, cell_m, 0.0);
+                z_m
+            },
+        );
+        let z_m = stretched_m.iter().zip(&nearest_m).map(|(stretched, nearest)| stretched.min(*nearest)).collect();
+        Self { cols: size[1], z_m }
+    }
+
+    /// The elevation in metres over the cell of a row and a column.
+    #[inline]
+    pub(super) fn at(&self, row: usize, col: usize) -> f32 {
+        self.z_m[row / STEP * self.cols + col / STEP]
+    }
 }
 
 /// The value of the nearest cell that is marked, from cell to cell.
 ///
 /// # Complexity
 /// O(n).
-fn nearest(values: &[f32], is_marked: &[bool], skeleton: &Skeleton) -> Vec<f32> {
-    let ([rows, cols], [width_m, height_m]) = (skeleton.size, skeleton.cell_m.map(|side| side as f32));
+fn nearest(values: &[f32], is_marked: &[bool], [rows, cols]: [usize; 2], cell_m: [f64; 2]) -> Vec<f32> {
+    let [width_m, height_m] = cell_m.map(|side| side as f32);
     let slant_m = (width_m * width_m + height_m * height_m).sqrt();
     let marked = |(&value, &is_marked): (&f32, &bool)| if is_marked { (0.0, value) } else { (f32::INFINITY, value) };
     let mut best: Vec<(f32, f32)> = values.iter().zip(is_marked).map(marked).collect();
@@ -87,12 +111,11 @@ mod tests {
         for _ in 0..200 {
             let size = [1 + rng.below(9) as usize, 1 + rng.below(9) as usize];
             let cell_m = [10.0, 10.0 + rng.below(3) as f64 * 7.0];
-            let skeleton = Skeleton { size, cell_m, peaks: vec![], saddles: vec![], ridges: vec![] };
             let count = size[0] * size[1];
             let is_marked: Vec<bool> = (0..count).map(|_| rng.below(6) == 0).collect();
             // Each cell's value is its number, so that one sees which was found.
             let values: Vec<f32> = (0..count).map(|cell| cell as f32).collect();
-            let found = nearest(&values, &is_marked, &skeleton);
+            let found = nearest(&values, &is_marked, size, cell_m);
             let far_m = |a: usize, b: usize| {
                 let [down, right] = [(a / size[1]).abs_diff(b / size[1]), (a % size[1]).abs_diff(b % size[1])];
                 let slant = down.min(right);

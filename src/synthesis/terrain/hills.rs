@@ -1,9 +1,8 @@
 //! Hills between ridges and valleys, which are none of the tree's.
 
+use super::ceiling::Ceiling;
 use super::crest::Crest;
-use super::envelope::distance;
 use super::skeleton::Skeleton;
-use super::valleys::Fast;
 use crate::erosion::{Relief, fill};
 use crate::error::Result;
 use rayon::prelude::*;
@@ -15,19 +14,20 @@ const BELOW_M: f32 = 0.5;
 /// How high a rim keeps what is upside down from flowing off, in metres.
 const RIM_M: f32 = 1e6;
 
-/// Lays detail on ground that is stretched between ridges and valleys, and keeps it below the peaks of the ridges beside.
-pub(super) fn hilly(fast: Fast, detail_m: &[f32], ceiling_m: &[f32], skeleton: &Skeleton, slope: f64) -> Vec<f32> {
-    let Fast { mut z_m, is_fast } = fast;
-    let clear_m = distance(&is_fast, skeleton.size, skeleton.cell_m);
-    let cells = z_m.par_iter_mut().zip(detail_m).zip(&clear_m).zip(ceiling_m);
-    cells.filter(|((_, clear_m), _)| **clear_m > 0.0 && clear_m.is_finite()).for_each(
-        |(((z, detail_m), clear_m), ceiling_m)| {
-            // The nearer to what stands fast the less detail there is.
-            let most_m = slope as f32 * clear_m;
-            *z = (*z + detail_m * most_m / (most_m + detail_m.abs())).min(ceiling_m - BELOW_M);
-        },
-    );
-    z_m
+/// Lays detail on ground that is stretched between ridges and valleys, `clear_m` metres from them, and keeps it below the
+/// peaks of the ridges beside.
+pub(super) fn hilly(z_m: &mut [f32], clear_m: &[f32], detail_m: &[f32], ceiling: &Ceiling, cols: usize, slope: f64) {
+    let rows = z_m.par_chunks_mut(cols).zip(clear_m.par_chunks(cols)).zip(detail_m.par_chunks(cols));
+    rows.enumerate().for_each(|(row, ((line, clear_m), detail_m))| {
+        for (col, ((z, &clear_m), &detail_m)) in line.iter_mut().zip(clear_m).zip(detail_m).enumerate() {
+            if clear_m > 0.0 && clear_m.is_finite() {
+                // The nearer to what stands fast the less detail there is.
+                let most_m = slope as f32 * clear_m;
+                let own_m = detail_m * most_m / (most_m + detail_m.abs());
+                *z = (*z + own_m).min(ceiling.at(row, col) - BELOW_M);
+            }
+        }
+    });
 }
 
 /// Takes hills away that stand by themselves: from each cell between the ridges a way leads up to one, and hardly down.

@@ -1,8 +1,9 @@
 //! Terrain over a divide tree.
 
-use super::ceiling::ceiling;
+use super::ceiling::Ceiling;
 use super::crest::Crest;
 use super::detail::detail;
+use super::envelope::distance;
 use super::ground::Ground;
 use super::hills::{hilly, shaved};
 use super::membrane::stretch;
@@ -79,15 +80,15 @@ pub fn raise(skeleton: &Skeleton, options: &TerrainOptions, watch: &Watch) -> Re
 pub(super) struct Frame<'a> {
     skeleton: &'a Skeleton,
     crest: Crest,
-    ceiling_m: Vec<f32>,
+    ceiling: Ceiling,
 }
 
 impl<'a> Frame<'a> {
     /// The frame of a skeleton that was checked.
     pub(super) fn of(skeleton: &'a Skeleton) -> Self {
         let crest = Crest::of(skeleton);
-        let ceiling_m = ceiling(&crest, skeleton);
-        Self { skeleton, crest, ceiling_m }
+        let ceiling = Ceiling::of(&crest, skeleton);
+        Self { skeleton, crest, ceiling }
     }
 }
 
@@ -102,10 +103,10 @@ pub(super) fn raise_on(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn F
 }
 
 fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Result<()>) -> Result<Relief> {
-    let Frame { skeleton, crest, ceiling_m } = frame;
+    let Frame { skeleton, crest, ceiling } = frame;
     let (size, cell_m) = (skeleton.size, skeleton.cell_m);
     let (mut rough_m, detail_m) = rayon::join(
-        || surface(skeleton, crest, ceiling_m, options),
+        || surface(skeleton, crest, ceiling, options),
         || detail(size, cell_m, options.roughness, options.seed),
     );
     done()?;
@@ -117,9 +118,14 @@ fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Re
     let mut fast = carve(skeleton, crest, rough_m, &drainage, valleys);
     drop(drainage);
     done()?;
-    stretch(&mut fast.z_m, &fast.is_fast, size, cell_m, options.curvature);
+    let ((), clear_m) = rayon::join(
+        || stretch(&mut fast.z_m, &fast.is_fast, size, cell_m, options.curvature),
+        || distance(&fast.is_fast, size, cell_m),
+    );
     done()?;
-    let z_m = hilly(fast, &detail_m, ceiling_m, skeleton, options.slope);
+    let mut z_m = fast.z_m;
+    hilly(&mut z_m, &clear_m, &detail_m, ceiling, size[1], options.slope);
+    drop((clear_m, detail_m));
     done()?;
     let z_m = shaved(z_m, crest, skeleton)?;
     done()?;

@@ -1,5 +1,6 @@
 //! The ground as it would be without valleys.
 
+use super::ceiling::Ceiling;
 use super::crest::Crest;
 use super::envelope::envelope;
 use super::raise::TerrainOptions;
@@ -16,12 +17,16 @@ const BELOW_M: f32 = 15.0;
 /// With a [`Ground`](super::Ground) plains lie so far below it, everywhere as far, that slopes and plains together are
 /// as high in the mean as the ground; options take a share of that depth, since valleys take their part, too. Else they
 /// are level.
-pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling_m: &[f32], options: &TerrainOptions) -> Vec<f32> {
+pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling: &Ceiling, options: &TerrainOptions) -> Vec<f32> {
     let [rows, cols] = skeleton.size;
     let mut z_m = envelope(&crest.z_m, skeleton.size, skeleton.cell_m, options.slope);
     let Some(ground) = &options.ground else {
         let floor_m = options.floor_m as f32;
-        z_m.par_iter_mut().zip(ceiling_m).for_each(|(z, ceiling)| *z = lifted(*z, floor_m.min(ceiling - BELOW_M)));
+        z_m.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
+            for (col, z) in line.iter_mut().enumerate() {
+                *z = lifted(*z, floor_m.min(ceiling.at(row, col) - BELOW_M));
+            }
+        });
         return z_m;
     };
     let mut plain_m = vec![0.0_f32; z_m.len()];
@@ -31,8 +36,11 @@ pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling_m: &[f32], opt
         }
     });
     let depth_m = depth_m(&z_m, &plain_m, cols) * options.depth as f32;
-    let plains = plain_m.par_iter().zip(ceiling_m).map(|(plain, ceiling)| (plain - depth_m).min(ceiling - BELOW_M));
-    z_m.par_iter_mut().zip(plains).for_each(|(z, plain)| *z = lifted(*z, plain));
+    z_m.par_chunks_mut(cols).zip(plain_m.par_chunks(cols)).enumerate().for_each(|(row, (line, plain_m))| {
+        for (col, (z, plain)) in line.iter_mut().zip(plain_m).enumerate() {
+            *z = lifted(*z, (plain - depth_m).min(ceiling.at(row, col) - BELOW_M));
+        }
+    });
     z_m
 }
 
