@@ -1,5 +1,6 @@
 //! A model comes back from its file as it was, and nothing damaged gets through.
 
+use super::schema::validate;
 use orograph::classify::{ClassRecord, Conditions, Forest, ForestOptions, Model, Samples, table};
 use orograph::error::ErrorKind;
 use orograph::rng::Rng;
@@ -30,6 +31,21 @@ fn there_and_back() {
         assert_eq!(probabilities, model.forest.probabilities(&row, 3));
         assert!(probabilities.iter().all(|&p| p <= probabilities[class]));
     }
+}
+
+#[test]
+fn files_fit_the_schema() {
+    let schema: serde_json::Value =
+        serde_json::from_str(include_str!("../../format-spec/classifier.schema.json")).expect("the schema is JSON");
+    let (mut model, _) = model();
+    for min_prominence_m in [Some(30.48), None] {
+        model.conditions.min_prominence_m = min_prominence_m;
+        let document = serde_json::from_str(&model.to_json()).expect("JSON");
+        validate(&document, &schema, &schema, "model");
+    }
+    let mut document: serde_json::Value = serde_json::from_str(&model.to_json()).expect("JSON");
+    document["forest"][0][0] = serde_json::json!({ "feature": 176, "threshold": 0.5, "right": 2 });
+    assert!(catch_unwind(|| validate(&document, &schema, &schema, "model")).is_err(), "there is no such feature");
 }
 
 #[test]

@@ -5,6 +5,8 @@
 mod agreement;
 mod files;
 mod reference;
+#[path = "../schema/mod.rs"]
+mod schema;
 
 use orograph::classify::Samples;
 use orograph::rng::Rng;

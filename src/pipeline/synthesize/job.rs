@@ -10,6 +10,7 @@ use super::maps::Maps;
 use super::range::{Range, RangeOptions};
 use crate::erosion::Relief;
 use crate::error::{Error, Result};
+use crate::io::output::Output;
 use crate::io::raster::parse_crs;
 use crate::io::vector::{Table, Writer};
 use crate::orometry::distributions::{BinSet, Comparison, Domain, PeakMeasures, Selection, compare};
@@ -113,6 +114,10 @@ pub struct RangeReport {
 pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<SynthesizeReport> {
     if job.like.len() > 1 && job.type_map.is_none() {
         return Err(Error::usage("--like is given several times: say with --type-map where the land is like which"));
+    }
+    // Looked at before all work, though the file begins when the land is known.
+    if let Some(part) = &job.terrain {
+        drop(Output::begin(&part.output.path, part.output.overwrite)?);
     }
     let writer = job.tree.as_ref().map(|path| Writer::begin(path, &NAMES, job.overwrite)).transpose()?;
     let mut outputs = writer.as_ref().map(Writer::targets).unwrap_or_default();
