@@ -3,7 +3,7 @@
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, four, list};
-use super::terrain_shape::ShapeOptions;
+use super::terrain_shape::{ShapeOptions, resolution_m};
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::orometry::distributions::Comparison;
@@ -98,13 +98,9 @@ impl Synthesize {
                 self.output.display()
             )));
         }
-        let length = |option: &str, text: &str| parse_length_m(text).map_err(|error| wrong_value(option, &error));
-        let resolution_m = length("--resolution", &self.resolution)?;
-        if resolution_m.is_nan() || resolution_m <= 0.0 {
-            return Err(Error::usage(format!("--resolution {}: expected more than 0", self.resolution)));
-        }
-        let min_prominence_m =
-            self.min_prominence.as_deref().map(|text| length("--min-prominence", text)).transpose()?;
+        let resolution_m = resolution_m(&self.resolution)?;
+        let prominence_m = |text| parse_length_m(text).map_err(|error| wrong_value("--min-prominence", &error));
+        let min_prominence_m = self.min_prominence.as_deref().map(prominence_m).transpose()?;
         if min_prominence_m.is_some_and(|m| m < 0.0) {
             return Err(Error::usage("--min-prominence: expected 0 or more"));
         }

@@ -3,11 +3,9 @@
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, four, list};
-use super::terrain_shape::ShapeOptions;
-use super::wrong_value;
+use super::terrain_shape::{ShapeOptions, resolution_m};
 use crate::error::{Error, Result};
 use crate::pipeline::terrain::{TerrainJob, TerrainReport, is_raster, run};
-use crate::units::parse_length_m;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -54,10 +52,7 @@ pub(super) struct Terrain {
 
 impl Terrain {
     fn meant(&self) -> Result<TerrainJob> {
-        let resolution_m = parse_length_m(&self.resolution).map_err(|error| wrong_value("--resolution", &error))?;
-        if resolution_m.is_nan() || resolution_m <= 0.0 {
-            return Err(Error::usage(format!("--resolution {}: expected more than 0", self.resolution)));
-        }
+        let resolution_m = resolution_m(&self.resolution)?;
         if !is_raster(&self.output) {
             return Err(Error::usage(format!("{} is no raster: give a .tif", self.output.display())));
         }

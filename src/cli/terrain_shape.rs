@@ -37,6 +37,15 @@ pub(super) struct ShapeOptions {
     options: Vec<String>,
 }
 
+/// The side of cells in metres that `--resolution` says.
+pub(super) fn resolution_m(text: &str) -> Result<f64> {
+    let resolution_m = parse_length_m(text).map_err(|error| wrong_value("--resolution", &error))?;
+    if resolution_m.is_nan() || resolution_m <= 0.0 {
+        return Err(Error::usage(format!("--resolution {text}: expected more than 0")));
+    }
+    Ok(resolution_m)
+}
+
 impl ShapeOptions {
     /// Whether anything is said of terrain.
     pub(super) fn is_given(&self) -> bool {

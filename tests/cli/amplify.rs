@@ -22,6 +22,18 @@ fn dem(
     (path, raster.bands.swap_remove(0))
 }
 
+/// Terrain with a void that tiles cut through and many small ones, as `input.tif`.
+fn riddled(dir: &TempDir) -> (String, Vec<f32>) {
+    dem(dir, "input.tif", (300, 520), |raster| {
+        raster.nodata = Some(-1.0);
+        let cells = &mut raster.bands[0];
+        (0..cells.len())
+            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
+            .for_each(|i| cells[i] = -1.0);
+        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
+    })
+}
+
 fn amplify(input: &str, output: &str, exemplar: &str, options: &[&str]) -> Value {
     Run::done(&[&["amplify", input, output, "--exemplar", exemplar, "--json"], options].concat()).json()
 }
@@ -122,14 +134,7 @@ fn bytes_depend_on_neither_threads_nor_memory() {
 fn realistic_terrain_depends_on_the_seed_alone() {
     let dir = folder();
     let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
-    let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
-        raster.nodata = Some(-1.0);
-        let cells = &mut raster.bands[0];
-        (0..cells.len())
-            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
-            .for_each(|i| cells[i] = -1.0);
-        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
-    });
+    let (input, coarse) = riddled(&dir);
     let realistic = |name: &str, options: &[&str]| {
         let out = inside(&dir, name);
         let document = amplify(&input, &out, &exemplar, &[&["--mode", "realistic", "--overwrite"], options].concat());
@@ -182,14 +187,7 @@ fn realistic_terrain_of_all_sizes() {
 fn the_papers_way_depends_on_neither_threads_nor_memory() {
     let dir = folder();
     let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
-    let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
-        raster.nodata = Some(-1.0);
-        let cells = &mut raster.bands[0];
-        (0..cells.len())
-            .filter(|i| (i % 300).abs_diff(130) < 25 && (i / 300).abs_diff(250) < 30)
-            .for_each(|i| cells[i] = -1.0);
-        (0..40).for_each(|i| cells[i * 3677 + 99] = -1.0);
-    });
+    let (input, coarse) = riddled(&dir);
     let paper = |name: &str, options: &[&str]| {
         let out = inside(&dir, name);
         let document = amplify(&input, &out, &exemplar, &[&["--mode", "paper", "--overwrite"], options].concat());

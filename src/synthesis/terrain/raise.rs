@@ -10,7 +10,7 @@ use super::membrane::stretch;
 use super::skeleton::Skeleton;
 use super::surface::surface;
 use super::valleys::{ValleyOptions, carve};
-use super::water::{drained, ways};
+use super::water::{drained, feet, ways};
 use crate::erosion::Relief;
 use crate::error::Result;
 use crate::watch::Watch;
@@ -81,14 +81,15 @@ pub(super) struct Frame<'a> {
     skeleton: &'a Skeleton,
     crest: Crest,
     ceiling: Ceiling,
+    foot_m: Vec<f32>,
 }
 
 impl<'a> Frame<'a> {
     /// The frame of a skeleton that was checked.
     pub(super) fn of(skeleton: &'a Skeleton) -> Self {
         let crest = Crest::of(skeleton);
-        let ceiling = Ceiling::of(&crest, skeleton);
-        Self { skeleton, crest, ceiling }
+        let (ceiling, foot_m) = rayon::join(|| Ceiling::of(&crest, skeleton), || feet(&crest, skeleton));
+        Self { skeleton, crest, ceiling, foot_m }
     }
 }
 
@@ -103,7 +104,7 @@ pub(super) fn raise_on(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn F
 }
 
 fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Result<()>) -> Result<Relief> {
-    let Frame { skeleton, crest, ceiling } = frame;
+    let Frame { skeleton, crest, ceiling, foot_m } = frame;
     let (size, cell_m) = (skeleton.size, skeleton.cell_m);
     let (mut rough_m, detail_m) = rayon::join(
         || surface(skeleton, crest, ceiling, options),
@@ -111,7 +112,7 @@ fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Re
     );
     done()?;
     rough_m.par_iter_mut().zip(&detail_m).for_each(|(z, detail)| *z += detail);
-    let drainage = ways(&rough_m, crest, skeleton)?;
+    let drainage = ways(&rough_m, foot_m, crest, skeleton)?;
     done()?;
     let valleys =
         ValleyOptions { least_m2: VALLEY_M2, rise_m: (HEAD * options.slope * cell_m[0].max(cell_m[1])) as f32 };

@@ -15,19 +15,16 @@ const FOOT_M: f32 = 200.0;
 /// ... so many metres from it: gorges have walls on both sides.
 const FOOT_WIDTH_M: f64 = 120.0;
 
-/// The ways of water over a rough surface: around the ridges, at some distance from them.
-pub(super) fn ways(rough_m: &[f32], crest: &Crest, skeleton: &Skeleton) -> Result<Drainage> {
+/// The ways of water over a rough surface: around the ridges, at some distance from them, by their [`feet`].
+pub(super) fn ways(rough_m: &[f32], foot_m: &[f32], crest: &Crest, skeleton: &Skeleton) -> Result<Drainage> {
     let [rows, cols] = skeleton.size;
-    let mut z_m = rough_m.to_vec();
-    let foot_m = feet(crest, skeleton);
-    z_m.par_iter_mut().zip(&foot_m).for_each(|(z, foot)| *z += foot);
-    drop(foot_m);
+    let mut z_m: Vec<f32> = rough_m.par_iter().zip(foot_m).map(|(z, foot)| z + foot).collect();
     wall_up(&mut z_m, crest);
     Ok(Drainage::of(&Relief::new(rows, cols, skeleton.cell_m, z_m)?))
 }
 
-/// By how much ways are harder, in metres: cones at every cell of a crest.
-fn feet(crest: &Crest, skeleton: &Skeleton) -> Vec<f32> {
+/// By how much ways are harder at the feet of ridges, in metres: cones at every cell of a crest.
+pub(super) fn feet(crest: &Crest, skeleton: &Skeleton) -> Vec<f32> {
     let [rows, cols] = skeleton.size;
     let cells = skeleton.cell_m.map(|side| (FOOT_WIDTH_M / side) as usize);
     let mut cone = vec![];
