@@ -23,7 +23,7 @@ struct Phase {
 }
 
 /// The kernel at a distance in coarse cells.
-fn kernel(distance: f64) -> f64 {
+pub fn cubic(distance: f64) -> f64 {
     let x = distance.abs();
     if x < 1.0 {
         (1.5 * x - 2.5) * x * x + 1.0
@@ -41,7 +41,7 @@ impl Bicubic {
             // Centres of fine cells, from the centre of the coarse one.
             let at = (k as f64 + 0.5) / factor as f64 - 0.5;
             let first = if at < 0.0 { 0 } else { 1 };
-            let weights = [0, 1, 2, 3].map(|j| kernel(at - ((first + j) as f64 - MARGIN as f64)));
+            let weights = [0, 1, 2, 3].map(|j| cubic(at - ((first + j) as f64 - MARGIN as f64)));
             Phase { first, weights }
         };
         Self { factor, phases: (0..factor).map(phase).collect() }
@@ -117,7 +117,7 @@ mod tests {
         let mut sum = 0.0;
         for r in 0..plane.rows() {
             for c in 0..plane.cols() {
-                sum += kernel(at(row) - r as f64) * kernel(at(col) - c as f64) * plane.row(r)[c];
+                sum += cubic(at(row) - r as f64) * cubic(at(col) - c as f64) * plane.row(r)[c];
             }
         }
         sum

@@ -2,9 +2,10 @@
 
 use super::fill::filled;
 use super::learn::{Lesson, Lessons, TOO_FEW, learn};
+use super::network::{NETWORK_FACTORS, NETWORK_REACH, Network};
 use super::plane::Plane;
 use super::realistic::{Realistic, Shares, realistic_reach};
-use super::step::{STEP_FACTORS, STEP_REACH, Step, trimmed_mask};
+use super::step::{STEP_FACTORS, Step, trimmed_mask};
 use super::texture::{Place, Texture};
 use crate::error::{Error, ErrorKind, Result};
 use crate::rng::Rng;
@@ -22,22 +23,59 @@ pub const MOST_FACTOR: usize = 256;
 /// Makes planes finer by a factor, with the detail that exemplars have taught.
 #[derive(Clone, Debug)]
 pub struct Cascade {
-    steps: Vec<Step>,
-    /// For each step what is laid on its estimates; nothing at all where estimates are wanted.
-    textures: Vec<Option<Texture>>,
+    steps: Vec<Stage>,
     /// Steps that were learned at a finer scale than their own.
     borrowed: usize,
 }
 
-/// The factors of the steps that make up a factor, largest first.
+/// What makes planes finer in one step.
+#[derive(Clone, Debug)]
+enum Stage {
+    /// The best estimate.
+    Estimate(Network),
+    /// Estimates, and what is laid on them.
+    Terrain { step: Box<Step>, texture: Option<Texture> },
+}
+
+impl Stage {
+    fn factor(&self) -> usize {
+        match self {
+            Self::Estimate(network) => network.factor,
+            Self::Terrain { step, .. } => step.factor,
+        }
+    }
+
+    /// Coarse cells at each side that are needed beyond those that are made finer.
+    fn reach(&self) -> usize {
+        match self {
+            Self::Estimate(_) => NETWORK_REACH,
+            Self::Terrain { step, .. } => realistic_reach(step.factor),
+        }
+    }
+
+    /// Numbers that were learned.
+    fn len(&self) -> usize {
+        match self {
+            Self::Estimate(network) => network.len(),
+            Self::Terrain { step, texture } => step.regressors.len() + texture.as_ref().map_or(0, Texture::len),
+        }
+    }
+}
+
+/// That a factor can be made of steps.
 ///
 /// # Errors
 /// A usage error below 2, above [`MOST_FACTOR`], and for factors with prime parts that there are no steps of.
-pub fn steps_of(factor: usize) -> Result<Vec<usize>> {
+pub fn check_factor(factor: usize) -> Result<()> {
+    steps_of(factor, &STEP_FACTORS).map(drop)
+}
+
+/// The factors of the steps that make up a factor, the first of `parts` first.
+fn steps_of(factor: usize, parts: &[usize]) -> Result<Vec<usize>> {
     let expected = format!("expected 2 to {MOST_FACTOR}, a product of 2, 3, 5 and 7, such as 2, 3, 4, 8, 10");
     let mut left = factor;
     let mut steps = vec![];
-    for part in STEP_FACTORS {
+    for &part in parts {
         while left > 1 && left.is_multiple_of(part) {
             steps.push(part);
             left /= part;
@@ -76,9 +114,26 @@ impl Cascade {
     /// same at scales that are not far from each other.
     ///
     /// # Errors
-    /// As [`steps_of`]; exemplars in which no step finds enough to learn from; a cancelled job.
+    /// As [`check_factor`]; exemplars in which no step finds enough to learn from; a cancelled job.
     pub fn learn(exemplars: &[Plane], factor: usize, is_square: bool, seed: u64, watch: &Watch) -> Result<Self> {
-        Self::taught(exemplars, factor, is_square, seed, false, watch)
+        let factors = steps_of(factor, &NETWORK_FACTORS)?;
+        let mut scales = shifted(exemplars, &factors);
+        let mut found: Vec<Option<Network>> = vec![];
+        for (number, &factor) in factors.iter().enumerate() {
+            let make = |lesson: usize| scales[lesson].lesson(number);
+            let lessons = Lessons { count: scales.len(), make: &make };
+            let network = Network::learn(&lessons, factor, is_square, seed, watch)?;
+            if number + 1 < factors.len() {
+                scales.par_iter_mut().for_each(|scales| scales.advance(number, network.as_ref()));
+            }
+            found.push(network);
+        }
+        let borrowed = found.iter().filter(|network| network.is_none()).count();
+        let own = |(number, &factor): (usize, &usize)| {
+            let later = found[number..].iter().flatten().find(|network| network.factor == factor);
+            later.cloned().map(Stage::Estimate).ok_or_else(too_little)
+        };
+        Ok(Self { steps: factors.iter().enumerate().map(own).collect::<Result<_>>()?, borrowed })
     }
 
     /// Learns the steps of a factor as [`Cascade::learn`] does, and the texture of each. What is to become terrain looks
@@ -87,36 +142,24 @@ impl Cascade {
     /// # Errors
     /// As [`Cascade::learn`].
     pub fn learn_textured(exemplars: &[Plane], factor: usize, is_square: bool, watch: &Watch) -> Result<Self> {
-        Self::taught(exemplars, factor, is_square, TEXTURED, true, watch)
-    }
-
-    fn taught(
-        exemplars: &[Plane],
-        factor: usize,
-        is_square: bool,
-        seed: u64,
-        is_textured: bool,
-        watch: &Watch,
-    ) -> Result<Self> {
-        let factors = steps_of(factor)?;
+        let factors = steps_of(factor, &STEP_FACTORS)?;
         let mut scales = shifted(exemplars, &factors);
         watch.begin("learning", factors.len() as u64);
         let mut found: Vec<Option<(Step, Option<Texture>)>> = vec![];
         for (number, &factor) in factors.iter().enumerate() {
             let make = |lesson: usize| scales[lesson].lesson(number);
-            let step = learn(&Lessons { count: scales.len(), make: &make }, factor, is_square, seed, watch)?;
+            let step = learn(&Lessons { count: scales.len(), make: &make }, factor, is_square, TEXTURED, watch)?;
             if number + 1 < factors.len() {
-                let step = step.as_ref().filter(|_| !is_textured);
-                scales.par_iter_mut().for_each(|scales| scales.advance(number, step));
+                scales.par_iter_mut().for_each(|scales| scales.advance(number, None));
             }
             found.push(step.map(|step| {
-                let texture = is_textured.then(|| texture(exemplars, &factors, number, &step)).flatten();
+                let texture = texture(exemplars, &factors, number, &step);
                 (step, texture)
             }));
             watch.advance(1)?;
         }
         let borrowed = found.iter().filter(|step| step.is_none()).count();
-        let (mut steps, mut textures) = (vec![], vec![]);
+        let mut steps = vec![];
         for (number, &factor) in factors.iter().enumerate() {
             let later = || found[number..].iter().flatten().filter(|(step, _)| step.factor == factor);
             let (step, texture) = later().next().cloned().ok_or_else(too_little)?;
@@ -125,16 +168,14 @@ impl Cascade {
                 None => later().find(|(_, texture)| texture.is_some()).cloned().unwrap_or((step, None)),
                 Some(_) => (step, texture),
             };
-            steps.push(step);
-            textures.push(texture);
+            steps.push(Stage::Terrain { step: Box::new(step), texture });
         }
-        textures.truncate(if is_textured { steps.len() } else { 0 });
-        Ok(Self { steps, textures, borrowed })
+        Ok(Self { steps, borrowed })
     }
 
     /// How many times finer planes become.
     pub fn factor(&self) -> usize {
-        self.steps.iter().map(|step| step.factor).product()
+        self.steps.iter().map(Stage::factor).product()
     }
 
     /// Steps for whose own scale the exemplars were too small.
@@ -149,9 +190,7 @@ impl Cascade {
 
     /// Bytes of memory that the steps take.
     pub fn bytes(&self) -> usize {
-        let steps = self.steps.iter().map(|step| step.regressors.len());
-        let textures = self.textures.iter().flatten().map(Texture::len);
-        steps.chain(textures).sum::<usize>() * size_of::<f32>()
+        self.steps.iter().map(Stage::len).sum::<usize>() * size_of::<f32>()
     }
 
     /// Margins before each step and after the last.
@@ -159,14 +198,10 @@ impl Cascade {
         let mut margins: Vec<usize> = vec![0];
         for step in self.steps.iter().rev() {
             let after = margins[margins.len() - 1];
-            margins.push(after.div_ceil(step.factor) + self.step_reach(step));
+            margins.push(after.div_ceil(step.factor()) + step.reach());
         }
         margins.reverse();
         margins
-    }
-
-    fn step_reach(&self, step: &Step) -> usize {
-        if self.textures.is_empty() { STEP_REACH } else { realistic_reach(step.factor) }
     }
 
     /// The finer plane of all but [`Cascade::reach`] cells at each side: the best estimate where no texture was learned,
@@ -183,21 +218,21 @@ impl Cascade {
         let margins = self.margins();
         for (number, step) in self.steps.iter().enumerate() {
             let cols = plane.cols();
-            let reach = self.step_reach(step);
-            let fine = match self.textures.get(number) {
-                None => step.applied(&plane, &known),
-                Some(texture) => {
+            let (reach, factor) = (step.reach(), step.factor());
+            let fine = match step {
+                Stage::Estimate(network) => network.applied(&plane, &known),
+                Stage::Terrain { step, texture } => {
                     let shares = if number == 0 { Shares::FIRST } else { Shares::LATER };
                     let place = Place { corner, seed: Rng::for_part(seed, number as u64).next_u32() };
                     Realistic { step, texture: texture.as_ref(), shares }.applied(&plane, &known, place)
                 }
             };
-            let mask = enlarged_mask(&trimmed_mask(&known, cols, reach), cols - 2 * reach, step.factor);
+            let mask = enlarged_mask(&trimmed_mask(&known, cols, reach), cols - 2 * reach, factor);
             // A margin may be a little wider than the next step needs.
-            let excess = (margins[number] - reach) * step.factor - margins[number + 1];
+            let excess = (margins[number] - reach) * factor - margins[number + 1];
             known = trimmed_mask(&mask, fine.cols(), excess);
             plane = fine.trimmed(excess);
-            corner = corner.map(|at| (at + reach as i64) * step.factor as i64 + excess as i64);
+            corner = corner.map(|at| (at + reach as i64) * factor as i64 + excess as i64);
         }
         plane
     }
@@ -261,11 +296,11 @@ impl<'a> Scales<'a> {
         Lesson { coarse: self.seen.clone(), fine: self.truth(number + 1).0, known: self.truth(number).1 }
     }
 
-    /// Goes on to the next scale: with what the step makes of this one, or with the truth where there is no step.
-    fn advance(&mut self, number: usize, step: Option<&Step>) {
+    /// Goes on to the next scale: with what the network makes of this one, or with the truth where there is none.
+    fn advance(&mut self, number: usize, network: Option<&Network>) {
         let (_, known) = self.truth(number);
-        self.seen = match step {
-            Some(step) if !known.is_empty() => step.applied_whole(&self.seen, &known),
+        self.seen = match network {
+            Some(network) if !known.is_empty() => network.applied_whole(&self.seen, &known),
             _ => self.truth(number + 1).0,
         };
     }

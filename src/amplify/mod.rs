@@ -1,13 +1,15 @@
 //! Amplification: finer terrain from a coarse DEM and exemplars (paper 001, section 5.3, and what came after it).
 //!
-//! [`Cascade`] is the accurate way: the best estimate of the true finer heights. Terrain is made finer in steps, by 2
-//! mostly. A step begins with bicubic heights ([`Bicubic`]); patches of the coarse plane say what is to be added, by
-//! regressions that were learned from an exemplar, one for each of many kinds of patch (A+, Timofte et al. 2014); and
-//! back-projection sees to it that the means of the fine cells are the coarse heights again.
+//! [`Cascade`] is the accurate way: the best estimate of the true finer heights. Terrain is made finer in steps, by 4 where
+//! that can be. A step begins with bicubic heights ([`Bicubic`]); a small convolutional network that has learned from the
+//! exemplars (`network`) says what is to be added; and back-projection sees to it that the means of the fine cells are the
+//! coarse heights again.
 //!
-//! A cascade that has learned texture as well makes one plausible terrain for each seed: a step's detail is made larger,
-//! samples of what exemplars have beyond the estimate are laid on it (`texture`, as strong as `strength` says of the
-//! place), water stays level (`level`), and the small pits that all of that makes are opened (`breach`).
+//! A cascade that has learned texture makes one plausible terrain for each seed, in steps by 2 mostly. Patches of the
+//! coarse plane say what is to be added, by regressions, one for each of many kinds of patch (`anchors`, `learn`, `step`;
+//! A+, Timofte et al. 2014); that detail is made larger, samples of what exemplars have beyond the estimate are laid on it
+//! (`texture`, as strong as `strength` says of the place), water stays level (`level`), and the small pits that all of
+//! that makes are opened (`breach`).
 //!
 //! [`Paper`] is amplification as paper 001 writes it: patches of the exemplar stand in for those of the coarse plane. It is
 //! for comparison, and for its look: it keeps no means.
@@ -26,6 +28,7 @@ mod features;
 mod fill;
 mod learn;
 mod level;
+mod network;
 mod orientation;
 mod paper;
 mod plane;
@@ -36,8 +39,8 @@ mod strength;
 mod tests;
 mod texture;
 
-pub use bicubic::Bicubic;
-pub use cascade::{Cascade, MOST_FACTOR, steps_of};
+pub use bicubic::{Bicubic, cubic};
+pub use cascade::{Cascade, MOST_FACTOR, check_factor};
 pub use extend::{extended, extended_mask};
 pub use fill::{FILL_REACH, filled, filled_to};
 pub use paper::{Paper, PatchModel};

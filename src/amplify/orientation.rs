@@ -4,7 +4,7 @@
 use super::plane::Plane;
 
 /// Number of ways.
-const WAYS: usize = 8;
+pub(super) const WAYS: usize = 8;
 /// Bits of a way: columns from right to left, rows from bottom to top, then rows as columns.
 const COLUMNS: usize = 1;
 const ROWS: usize = 2;
@@ -15,6 +15,42 @@ const TRANSPOSED: usize = 4;
 pub(super) struct Way(usize);
 
 impl Way {
+    /// One of [`WAYS`]; the first half transposes nothing.
+    pub(super) fn number(number: usize) -> Self {
+        Self(number % WAYS)
+    }
+
+    /// Four ways that are as different as can be: quarter turns, or where cells are not square, all that transpose nothing.
+    pub(super) fn four(is_square: bool) -> [Self; 4] {
+        if is_square {
+            [0, COLUMNS | ROWS, COLUMNS | TRANSPOSED, ROWS | TRANSPOSED].map(Self)
+        } else {
+            [0, COLUMNS, ROWS, COLUMNS | ROWS].map(Self)
+        }
+    }
+
+    /// Where a cell of a turned plane of a size is found in the plane as it lies.
+    #[inline(always)]
+    pub(super) fn place(self, mut row: usize, mut col: usize, [rows, cols]: [usize; 2]) -> (usize, usize) {
+        if self.0 & ROWS != 0 {
+            row = rows - 1 - row;
+        }
+        if self.0 & COLUMNS != 0 {
+            col = cols - 1 - col;
+        }
+        if self.0 & TRANSPOSED != 0 { (col, row) } else { (row, col) }
+    }
+
+    /// A plane turned: transposed first, then its rows and columns turned round.
+    pub(super) fn turned(self, plane: &Plane) -> Plane {
+        let mut size = [plane.rows(), plane.cols()];
+        if self.0 & TRANSPOSED != 0 {
+            size.reverse();
+        }
+        let cells = (0..size[0]).flat_map(|row| (0..size[1]).map(move |col| self.place(row, col, size)));
+        Plane::new(size[0], size[1], cells.map(|(row, col)| plane.row(row)[col]).collect())
+    }
+
     /// The way that brings the patch around a cell into its standing position. Cells that are not square are not
     /// transposed. Turned planes give turned patches to the bit.
     #[inline(always)]
@@ -109,6 +145,20 @@ mod tests {
             let by_table: Vec<f64> = offsets.of(Way(way)).iter().map(|&cell| plane.heights_m()[cell]).collect();
             assert_eq!(by_table, turned(&plane, way).heights_m());
         }
+    }
+
+    #[test]
+    fn planes_are_turned() {
+        let plane = Plane::new(2, 3, vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        let heights = |way: usize| Way(way).turned(&plane).heights_m().to_vec();
+        assert_eq!(heights(COLUMNS), [3.0, 2.0, 1.0, 6.0, 5.0, 4.0]);
+        assert_eq!(heights(ROWS), [4.0, 5.0, 6.0, 1.0, 2.0, 3.0]);
+        assert_eq!(heights(TRANSPOSED), [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+        // A quarter of a turn, and another one back.
+        assert_eq!(heights(COLUMNS | TRANSPOSED), [4.0, 1.0, 5.0, 2.0, 6.0, 3.0]);
+        let back = Way(ROWS | TRANSPOSED).turned(&Way(COLUMNS | TRANSPOSED).turned(&plane));
+        assert_eq!(back, plane);
+        assert!(Way::four(false).iter().all(|way| way.0 & TRANSPOSED == 0));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 mod cholesky;
 mod eigen;
 mod gram;
+mod octets;
 mod product;
 mod sum;
 mod vectors;
@@ -15,6 +16,7 @@ mod vectors;
 pub(crate) use cholesky::solve;
 pub(crate) use eigen::{eigenvectors, leading_eigenvector};
 pub(crate) use gram::Gram;
+pub(crate) use octets::{OctetWork, Octets, in_octets};
 pub(crate) use product::{UNDERFLOW, product, product_error};
 pub(crate) use sum::{dot, quadratic};
 pub(crate) use vectors::vectorised;

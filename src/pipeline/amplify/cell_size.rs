@@ -6,6 +6,8 @@ use crate::grid::GeoTransform;
 /// Sides that differ by less than this part are as good as equal. A regression learned on cells of one size suits
 /// others of about that size, while resampling would wear down the detail that is to be learned.
 const ALIKE: f64 = 0.1;
+/// How many times finer cells may be made along one axis.
+const MOST_FINER: f64 = 2.0;
 
 /// Metres from one column and from one row to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,9 +66,11 @@ impl CellSize {
         are_alike(self.across_m, other.across_m) && are_alike(self.down_m, other.down_m)
     }
 
-    /// How many times as large as others the cells are, along the axis where that is most.
+    /// How many times as large as others the cells are: along the axis where that is less, unless it is more than twice
+    /// as much along the other.
     pub(super) fn excess(self, other: Self) -> f64 {
-        (self.across_m / other.across_m).max(self.down_m / other.down_m)
+        let (across, down) = (self.across_m / other.across_m, self.down_m / other.down_m);
+        across.min(down).max(across.max(down) / MOST_FINER)
     }
 }
 
@@ -110,6 +114,15 @@ mod tests {
         assert!((size(60.0).across_m - 15.5).abs() < 0.01 && (size(60.0).down_m - 30.95).abs() < 0.01);
         assert!(size(0.0).is_square() && !size(60.0).is_square());
         assert!(size(90.0).across_m > 0.0);
+    }
+
+    #[test]
+    fn cells_exceed_others_along_both_axes() {
+        let size = |across_m: f64, down_m: f64| CellSize { across_m, down_m };
+        assert_eq!(size(30.0, 30.0).excess(size(20.0, 30.0)), 1.0);
+        assert_eq!(size(30.0, 60.0).excess(size(10.0, 30.0)), 2.0);
+        assert_eq!(size(30.0, 30.0).excess(size(5.0, 30.0)), 3.0, "no more than two times finer");
+        assert_eq!(size(10.0, 10.0).excess(size(20.0, 40.0)), 0.5);
     }
 
     #[test]

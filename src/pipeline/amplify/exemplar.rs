@@ -2,7 +2,7 @@
 
 use super::cell_size::CellSize;
 use super::likeness::{median_slope, remark};
-use super::resample::coarser;
+use super::resample::resampled;
 use crate::amplify::Plane;
 use crate::error::Result;
 use crate::io::raster::RasterOptions;
@@ -29,7 +29,9 @@ pub(super) struct Wanted {
 /// lies, and with rows as columns.
 ///
 /// An exemplar with larger cells than those to be made keeps its own: terrain is much the same at scales that are not
-/// far from each other, and finer cells of it would hold no more detail.
+/// far from each other, and finer cells of it would hold no more detail. Where only one axis has larger cells, as with
+/// cells of degrees that are to be made like metres, it is interpolated along that one: cells twice as large along the
+/// other would be another scale.
 ///
 /// # Errors
 /// When it cannot be read or has no data.
@@ -58,7 +60,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn F
         let target = if own.is_like(made) { made } else { made.times(larger) };
         match own.is_like(target) {
             true => exemplar,
-            false => coarser(&exemplar, target.down_m / own.down_m, target.across_m / own.across_m),
+            false => resampled(&exemplar, target.down_m / own.down_m, target.across_m / own.across_m),
         }
     };
     let turned = (!made.is_square()).then(|| fit(exemplar.transposed(), own.transposed()));

@@ -7,7 +7,7 @@ use super::method::Method;
 use super::sink::Output;
 use super::strips::Making;
 use super::terrain::Terrain;
-use crate::amplify::{Cascade, Paper, PatchModel, Plane, steps_of};
+use crate::amplify::{Cascade, Paper, PatchModel, Plane, check_factor};
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::output::Output as PageOutput;
 use crate::io::raster::stored::StoredOptions;
@@ -114,9 +114,9 @@ pub struct AmplifyReport {
 pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<AmplifyReport> {
     let begun = Instant::now();
     match job.mode {
-        Mode::Accurate | Mode::Realistic => steps_of(job.factor)?,
-        Mode::Paper => job.model.steps(job.factor)?,
-    };
+        Mode::Accurate | Mode::Realistic => check_factor(job.factor)?,
+        Mode::Paper => job.model.steps(job.factor).map(drop)?,
+    }
     let paths = paths(job)?;
     let terrain = match job.sketch_m {
         Some(heights_m) => Terrain::open_sketch(&job.input, &job.raster, heights_m)?,
