@@ -7,7 +7,7 @@ use super::terrain_shape::{ShapeOptions, resolution_m};
 use super::wrong_value;
 use crate::error::{Error, Result};
 use crate::orometry::distributions::Comparison;
-use crate::pipeline::synthesize::{SynthesizeJob, SynthesizeReport, TerrainPart, run};
+use crate::pipeline::synthesize::{KeepPart, SynthesizeJob, SynthesizeReport, TerrainPart, run};
 use crate::pipeline::terrain::is_raster;
 use crate::synthesis::SynthesisOptions;
 use crate::units::parse_length_m;
@@ -22,11 +22,15 @@ use std::path::PathBuf;
 /// by bin, on any land, by other peaks in other places. Isolations are those to the nearest higher peak; a statistics
 /// file has those to higher ground, which are somewhat shorter. The terrain has the peaks and key saddles of the tree;
 /// where the range is a DEM it is about as steep, and with --ground-map as high in the mean as that says. --tree writes
-/// the layers that `orograph peaks` writes, styled for QGIS. Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
+/// the layers that `orograph peaks` writes, styled for QGIS. --keep leaves the peaks and ridges of a real tree, or of a few
+/// that somebody drew, as they are and makes the rest up around them; the statistics told are then those of the new peaks.
+/// Lengths take a unit (30m, 100ft, 1.5km); a bare number is metres.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
     orograph synthesize new.tif --tree new.gpkg --like fixtures/jacksboro.tif --resolution 100m\n  \
     orograph synthesize tree.gpkg --tree-only --like fixtures/jacksboro.tif --seed 1\n  \
+    orograph peaks fixtures/jacksboro.tif real.gpkg\n  \
+    orograph synthesize around.tif --like fixtures/jacksboro.tif --keep real.gpkg --resolution 90m\n  \
     orograph synthesize more.gpkg --tree-only --like tree.gpkg --peaks 300 --seed 2")]
 pub(super) struct Synthesize {
     /// Output: terrain in any raster format that GDAL writes; with --tree-only .gpkg, .csv, .geojson or .fgb.
@@ -50,7 +54,7 @@ pub(super) struct Synthesize {
     /// Side of the land's cells, on which peaks and saddles stand.
     #[arg(long, value_name = "LENGTH", default_value = "30m", allow_hyphen_values = true)]
     resolution: String,
-    /// Number of peaks; by the density of the range unless given.
+    /// Number of peaks, kept ones among them; by the density of the range unless given.
     #[arg(long, value_name = "N")]
     peaks: Option<usize>,
     /// Equal seeds make equal mountains.
@@ -65,6 +69,12 @@ pub(super) struct Synthesize {
     /// Raster of which range the land is like, over all of it: 1 for the first --like, 2 for the second ...
     #[arg(long, value_name = "RASTER")]
     type_map: Option<PathBuf>,
+    /// Peaks and ridges that stay as they are: layers of `orograph peaks`, edited or not, or the text of a divide tree.
+    #[arg(long, value_name = "TREE")]
+    keep: Option<PathBuf>,
+    /// Keep the part of the tree in these polygons, where no new peaks stand: any vector layer that GDAL reads.
+    #[arg(long, value_name = "POLYGONS", requires = "keep")]
+    keep_within: Option<PathBuf>,
     /// How much more a ridge between high peaks is liked than a short one (rho of the paper's equation 1).
     #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2), default_value_t = 1)]
     ridge_exponent: u8,
@@ -119,6 +129,7 @@ impl Synthesize {
             density_map: self.density_map.clone(),
             elevation_map: self.elevation_map.clone(),
             type_map: self.type_map.clone(),
+            keep: self.keep.clone().map(|tree| KeepPart { tree, within: self.keep_within.clone() }),
             options: SynthesisOptions { seed: self.seed, ridge_exponent: self.ridge_exponent },
             memory: self.memory.bytes()?,
             command: self.words().join(" "),
@@ -153,6 +164,8 @@ impl Synthesize {
         put("--density-map", path(&self.density_map));
         put("--elevation-map", path(&self.elevation_map));
         put("--type-map", path(&self.type_map));
+        put("--keep", path(&self.keep));
+        put("--keep-within", path(&self.keep_within));
         put("--ridge-exponent", Some(self.ridge_exponent.to_string()));
         put("--seed", Some(self.seed.to_string()));
         if !self.tree_only {
@@ -162,7 +175,7 @@ impl Synthesize {
     }
 
     pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
-        self.like.iter().for_each(|like| reporter.input(like));
+        self.like.iter().chain(&self.keep).chain(&self.keep_within).for_each(|input| reporter.input(input));
         let job = self.meant()?;
         let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
         reporter.outputs(&report.outputs);
@@ -199,12 +212,16 @@ fn text(report: &SynthesizeReport) -> String {
         report.size.1,
         report.size.0
     );
+    if report.kept_peaks > 0 {
+        let _ = writeln!(text, "of these {} peaks and {} ridges are kept", report.kept_peaks, report.kept_ridges);
+    }
     for range in &report.ranges {
         let _ = writeln!(
             text,
-            "like {}: {} peaks for its {}; largest difference of a bin, and total variation:",
+            "like {}: {} {}peaks for its {}; largest difference of a bin, and total variation:",
             range.path.display(),
             range.peaks,
+            if report.kept_peaks > 0 { "new " } else { "" },
             range.like_peaks
         );
         for (metric, name) in REPEATED {
@@ -243,6 +260,9 @@ fn json(report: &SynthesizeReport) -> Value {
         "area_km2": report.area_km2,
         "peaks": report.survey.peaks.len(),
         "edges": report.survey.edges.len(),
+        "kept_peaks": report.kept_peaks,
+        "kept_ridges": report.kept_ridges,
+        "kept_peaks_with_another_prominence": report.altered,
         "peaks_without_room_at_their_isolation": report.misplaced,
         "peaks_without_a_drawn_prominence": report.misjudged,
         "ranges": ranges,

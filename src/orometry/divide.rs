@@ -121,14 +121,15 @@ impl<K: Key> DivideForest<K> {
         Ok(forest)
     }
 
-    /// The forest of peaks with given cells and keys that meet at passes: the key and cell of each with the numbers of
-    /// the peaks on its two sides, the first on that of the saddle's topmost neighbour. No two passes are in one cell.
-    pub(super) fn of_passes(cells: Vec<Cell>, keys: Vec<K>, passes: &[(K, Cell, [PeakNumber; 2])]) -> Self {
+    /// The forest of peaks with given cells and keys that meet at passes: the key and cell of each, its number among
+    /// those of its cell, and the numbers of the peaks on its two sides, the first on that of the saddle's topmost
+    /// neighbour.
+    pub(super) fn of_passes(cells: Vec<Cell>, keys: Vec<K>, passes: &[(K, Cell, u8, [PeakNumber; 2])]) -> Self {
         let none = Join { saddle: NO_CELL, near: 0, far: 0, key: K::VOID, nth: 0, near_is_a: false };
         let mut parent: Vec<PeakNumber> = (0..).take(cells.len()).collect();
         let mut forest = Self { joins: vec![none; cells.len()], cells, keys, touches: Vec::new() };
         let mut events: Vec<Event<K>> =
-            passes.iter().map(|&(key, cell, [a, b])| Event { key, cell, nth: 0, a, b }).collect();
+            passes.iter().map(|&(key, cell, nth, [a, b])| Event { key, cell, nth, a, b }).collect();
         sort(&mut events);
         forest.sweep(&mut parent, &events);
         forest

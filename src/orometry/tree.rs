@@ -9,9 +9,10 @@ use crate::components::root;
 use crate::crs::{Metric, Place};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{Cell, Elevations, SampleType};
+use std::collections::BTreeMap;
 
 /// Where the ridges of two peaks of a given tree meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct GivenPass {
     /// Positions of the two peaks.
     pub peaks: [u32; 2],
@@ -19,7 +20,19 @@ pub struct GivenPass {
     pub cell: Cell,
     /// The saddle's elevation in metres.
     pub elevation_m: f64,
+    /// For each of the peaks the cells at which the ridge bends on its way there from the saddle, without these two.
+    pub bends: [Vec<Cell>; 2],
 }
+
+impl GivenPass {
+    /// Where two straight ridges meet.
+    pub fn straight(peaks: [u32; 2], cell: Cell, elevation_m: f64) -> Self {
+        Self { peaks, cell, elevation_m, bends: [vec![], vec![]] }
+    }
+}
+
+/// How many ridges may meet at one saddle.
+const MOST_AT_ONE: usize = 100;
 
 /// A divide tree on the cells of a raster, which need not exist.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +48,8 @@ pub struct GivenTree {
 }
 
 impl GivenTree {
-    /// Checks that it is a tree, all in one piece, on cells of its own, with every saddle below both of its peaks.
+    /// Checks that it is a tree, all in one piece, its peaks on cells of their own, with every saddle below both of its
+    /// peaks. Several ridges may meet at one saddle.
     ///
     /// # Errors
     /// `Corrupt`, with the first fault.
@@ -44,14 +58,20 @@ impl GivenTree {
         if self.peaks.len() != self.passes.len() + 1 {
             return wrong(format!("{} peaks and {} saddles make no tree", self.peaks.len(), self.passes.len()));
         }
-        let mut cells: Vec<Cell> =
-            self.peaks.iter().map(|peak| peak.0).chain(self.passes.iter().map(|pass| pass.cell)).collect();
+        let mut saddles: Vec<Cell> = self.passes.iter().map(|pass| pass.cell).collect();
+        saddles.sort_unstable();
+        if let Some(crowd) = saddles.chunk_by(|a, b| a == b).find(|crowd| crowd.len() > MOST_AT_ONE) {
+            return wrong(format!("{} ridges meet at the saddle in cell {}", crowd.len(), crowd[0]));
+        }
+        saddles.dedup();
+        let mut cells: Vec<Cell> = self.peaks.iter().map(|peak| peak.0).chain(saddles).collect();
         cells.sort_unstable();
         if let Some(pair) = cells.windows(2).find(|pair| pair[0] == pair[1]) {
-            return wrong(format!("two peaks or saddles are in cell {}", pair[0]));
+            return wrong(format!("two peaks, or a peak and a saddle, are in cell {}", pair[0]));
         }
-        if cells.last().is_some_and(|&cell| cell >= self.rows as u64 * self.cols as u64) {
-            return wrong("a peak or saddle lies outside of the raster".into());
+        let bends = self.passes.iter().flat_map(|pass| pass.bends.iter().flatten());
+        if cells.last().into_iter().chain(bends).any(|&cell| cell >= self.rows as u64 * self.cols as u64) {
+            return wrong("a peak, a saddle or a bend lies outside of the raster".into());
         }
         if let Some(peak) = self.peaks.iter().find(|peak| !peak.1.is_finite()) {
             return wrong(format!("{} is not the elevation of a peak", peak.1));
@@ -105,8 +125,15 @@ pub fn survey_tree<M: Metric + ?Sized>(tree: &GivenTree, metric: &M) -> Result<S
         let order = |peak: u32| (std::cmp::Reverse(keys[peak as usize]), cells[peak as usize]);
         if order(p) < order(q) { [p, q] } else { [q, p] }
     };
-    let passes: Vec<(i64, Cell, [PeakNumber; 2])> =
-        tree.passes.iter().map(|pass| (key(pass.elevation_m), pass.cell, above_first(pass.peaks))).collect();
+    // Passes of one saddle are told apart by their number there.
+    let mut pass_at: BTreeMap<(Cell, u8), &GivenPass> = BTreeMap::new();
+    let mut passes: Vec<(i64, Cell, u8, [PeakNumber; 2])> = Vec::with_capacity(tree.passes.len());
+    for pass in &tree.passes {
+        let cell = pass.cell;
+        let nth = pass_at.range((cell, 0)..=(cell, u8::MAX)).next_back().map_or(0, |((_, last), _)| last + 1);
+        pass_at.insert((cell, nth), pass);
+        passes.push((key(pass.elevation_m), cell, nth, above_first(pass.peaks)));
+    }
     let forest = DivideForest::of_passes(cells.clone(), keys.clone(), &passes);
     // Where nothing is unknown no other key is asked for.
     let mut pruned = prune(&forest, |_| i64::MIN, &elevations, None, 0.0);
@@ -138,7 +165,15 @@ pub fn survey_tree<M: Metric + ?Sized>(tree: &GivenTree, metric: &M) -> Result<S
         .filter_map(|(peak, &id)| {
             let edge = peak.edge?;
             let (a, b) = if edge.join.near_is_a { (edge.near, edge.far) } else { (edge.far, edge.near) };
-            let path = vec![pruned[a as usize].cell, edge.join.saddle, pruned[b as usize].cell];
+            let pass = pass_at.get(&(edge.join.saddle, edge.join.nth))?;
+            let [from, to] = [a, b].map(|peak| pruned[peak as usize].cell);
+            let is_turned = tree.peaks[pass.peaks[0] as usize].0 != from;
+            let [back, on] = [usize::from(is_turned), usize::from(!is_turned)].map(|side| &pass.bends[side]);
+            let mut path = vec![from];
+            path.extend(back.iter().rev());
+            path.push(pass.cell);
+            path.extend(on);
+            path.push(to);
             Some(TreeEdge {
                 peak_a: ids[a as usize],
                 peak_b: ids[b as usize],

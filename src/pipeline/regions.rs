@@ -1,10 +1,10 @@
 //! Regions: the polygon of a layer that a place stands in.
 
-use super::tags::{TagLayer, text_of};
+use super::tags::{TagLayer, read_onto, text_of};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::GeoTransform;
-use crate::io::features::Layer;
+use crate::io::features::{Layer, Value};
 use crate::orometry::distributions::CellSet;
 use geo::{BoundingRect, Geometry, Intersects, MultiPolygon, Point};
 use rayon::prelude::*;
@@ -40,11 +40,27 @@ impl Regions {
     /// When the layer cannot be read, or has no polygon with a name.
     pub fn read(layer: &TagLayer, crs: Option<&Crs>, note: &mut dyn FnMut(String)) -> Result<Self> {
         let read = layer.read(crs, note)?;
-        Self::of(read, crs, &layer.path, &layer.field, note)
+        Self::of(read, crs, &layer.path, Some(&layer.field), note)
+    }
+
+    /// Reads the polygons of a file, whatever their names, into a CRS: they are one region.
+    ///
+    /// # Errors
+    /// When the file cannot be read, has several layers, or no polygon.
+    pub fn read_nameless(path: &Path, crs: Option<&Crs>, note: &mut dyn FnMut(String)) -> Result<Self> {
+        let mut layer = read_onto(path, None, &[], crs, note)?;
+        layer.features.iter_mut().for_each(|feature| feature.values = vec![Value::Text("all".into())]);
+        Self::of(layer, crs, path, None, note)
     }
 
     /// The regions of a layer that holds the names as its only field.
-    fn of(layer: Layer, crs: Option<&Crs>, path: &Path, field: &str, note: &mut dyn FnMut(String)) -> Result<Self> {
+    fn of(
+        layer: Layer,
+        crs: Option<&Crs>,
+        path: &Path,
+        field: Option<&str>,
+        note: &mut dyn FnMut(String),
+    ) -> Result<Self> {
         let (mut nameless, mut shapeless) = (0, 0);
         let mut shapes = Vec::new();
         for (place, feature) in layer.features.into_iter().enumerate() {
@@ -62,15 +78,16 @@ impl Regions {
             }
         }
         if shapes.is_empty() {
-            return Err(Error::new(
-                ErrorKind::Input,
-                format!(
-                    "there is no polygon with a name in the field '{field}' ({nameless} without a name, {shapeless} \
-                     features of other kinds); choose layer and field with --region-layer and --region-field"
-                ),
-            )
-            .at_place(format!("layer {}", layer.name))
-            .at_path(path));
+            let message = field.map_or_else(
+                || format!("there is no polygon ({shapeless} features of other kinds)"),
+                |field| {
+                    format!(
+                        "there is no polygon with a name in the field '{field}' ({nameless} without a name, {shapeless} \
+                         features of other kinds); choose layer and field with --region-layer and --region-field"
+                    )
+                },
+            );
+            return Err(Error::new(ErrorKind::Input, message).at_place(format!("layer {}", layer.name)).at_path(path));
         }
         for (count, what) in [(nameless, "polygons without a name"), (shapeless, "features that are no polygons")] {
             if count > 0 {
@@ -199,7 +216,7 @@ impl Regions {
 mod tests {
     use super::*;
     use crate::crs::Ellipsoid;
-    use crate::io::features::{Feature, Value};
+    use crate::io::features::Feature;
     use geo::polygon;
 
     fn square(x0: f64, y0: f64, side: f64) -> Geometry<f64> {
@@ -232,7 +249,8 @@ mod tests {
             vertical_unit: None,
         });
         let path = Path::new("r.gpkg");
-        let regions = Regions::of(layer(features), crs.as_ref(), path, "name", &mut |note| notes.push(note)).unwrap();
+        let regions =
+            Regions::of(layer(features), crs.as_ref(), path, Some("name"), &mut |note| notes.push(note)).unwrap();
         (regions, notes)
     }
 
@@ -323,7 +341,7 @@ mod tests {
         assert_eq!(found, [None]);
         assert!(notes[0].contains("no peak stands in any of the 1 regions"), "{notes:?}");
         let only_points = layer(vec![(1, "town", Some(point))]);
-        let error = Regions::of(only_points, None, Path::new("r.gpkg"), "name", &mut |_| ()).unwrap_err();
+        let error = Regions::of(only_points, None, Path::new("r.gpkg"), Some("name"), &mut |_| ()).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::Input);
         assert!(error.to_string().contains("r.gpkg: layer ranges: there is no polygon"), "{error}");
     }

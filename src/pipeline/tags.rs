@@ -8,7 +8,7 @@ use crate::crs::{Crs, CrsKind};
 use crate::error::Result;
 use crate::io::features::{Layer, Value, read_layer};
 use crate::orometry::Peak;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A field of a vector layer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,24 +42,35 @@ pub struct TagOptions {
 impl TagLayer {
     /// Reads the layer with its field in the CRS `crs`, and tells what a user should know of that.
     pub(super) fn read(&self, crs: Option<&Crs>, note: &mut dyn FnMut(String)) -> Result<Layer> {
-        let target = crs.filter(|crs| !matches!(crs.kind, CrsKind::Local { .. })).map(|crs| crs.wkt.as_str());
-        let layer = read_layer(&self.path, self.layer.as_deref(), &[&self.field], target)?;
-        if target.is_none() && layer.crs_wkt.is_some() {
-            note(format!(
-                "{}: the layer has a CRS and what it tags has none on Earth: coordinates are taken as they are (assign one with --crs)",
-                self.path.display()
-            ));
-        }
-        if layer.unplaced > 0 {
-            let features = if layer.unplaced == 1 { "feature has" } else { "features have" };
-            note(format!(
-                "{}: {} {features} no place in the CRS of what they tag, and are left out",
-                self.path.display(),
-                layer.unplaced
-            ));
-        }
-        Ok(layer)
+        read_onto(&self.path, self.layer.as_deref(), &[&self.field], crs, note)
     }
+}
+
+/// Reads a layer with some fields in the CRS `crs`, and tells what a user should know of that.
+pub(super) fn read_onto(
+    path: &Path,
+    layer: Option<&str>,
+    fields: &[&str],
+    crs: Option<&Crs>,
+    note: &mut dyn FnMut(String),
+) -> Result<Layer> {
+    let target = crs.filter(|crs| !matches!(crs.kind, CrsKind::Local { .. })).map(|crs| crs.wkt.as_str());
+    let layer = read_layer(path, layer, fields, target)?;
+    if target.is_none() && layer.crs_wkt.is_some() {
+        note(format!(
+            "{}: the layer has a CRS and what it tags has none on Earth: coordinates are taken as they are (assign one with --crs)",
+            path.display()
+        ));
+    }
+    if layer.unplaced > 0 {
+        let features = if layer.unplaced == 1 { "feature has" } else { "features have" };
+        note(format!(
+            "{}: {} {features} no place in the CRS of what they tag, and are left out",
+            path.display(),
+            layer.unplaced
+        ));
+    }
+    Ok(layer)
 }
 
 /// The text of an attribute; `None` where it is null or blank.

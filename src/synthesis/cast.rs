@@ -3,6 +3,7 @@
 use super::strata::{Strata, apportion};
 use super::tally::Tally;
 use super::target::{Class, Target};
+use crate::crs::Place;
 use crate::rng::Rng;
 
 /// A peak without a place.
@@ -20,6 +21,19 @@ pub(super) struct Role {
     pub(super) azimuth: f64,
     /// Number of the range that it is like, from 0.
     pub(super) kind: usize,
+    /// What is fixed of it, where it is kept.
+    pub(super) kept: Option<Fixed>,
+}
+
+/// What is fixed of a kept peak beside its elevation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fixed {
+    /// Its position among the kept ones.
+    pub(super) number: u32,
+    /// Its place.
+    pub(super) place: Place,
+    /// Elevation in metres of its key saddle, where a kept ridge is sure to be that.
+    pub(super) ends_m: Option<f64>,
 }
 
 /// Elevations are multiples of this, in metres, which single precision holds exactly up to 131 km.
@@ -63,6 +77,7 @@ pub(super) fn cast(target: &Target, kind: usize, count: usize, with_highest: boo
         isolation_m: isolations[i],
         azimuth: azimuths[i],
         kind,
+        kept: None,
     };
     let mut roles: Vec<Role> = (0..n).map(role).collect();
     roles.extend(highest_m.map(|elevation_m| Role {
@@ -71,6 +86,7 @@ pub(super) fn cast(target: &Target, kind: usize, count: usize, with_highest: boo
         isolation_m: f64::INFINITY,
         azimuth: 0.0,
         kind,
+        kept: None,
     }));
     roles
 }

@@ -1,9 +1,11 @@
 //! Maps that say where peaks stand.
 
 use super::extent::Extent;
+use super::kept::Kept;
 use super::target::Target;
 use crate::crs::{Metric, Place};
 use crate::error::{Error, ErrorKind, Result};
+use std::collections::BTreeSet;
 
 /// A raster over all of an extent, of any number of cells.
 #[derive(Clone, Debug)]
@@ -41,6 +43,8 @@ pub struct Controls {
     pub elevation: Option<ControlMap>,
     /// The number, from 1, of the range that the mountains are like; none where it is NaN or another number.
     pub kind: Option<ControlMap>,
+    /// What stands fast, and the new peaks beside it.
+    pub kept: Kept,
 }
 
 /// A tail of peaks that stand lower or higher than the elevation map says: the standard deviation, as a part of the
@@ -56,6 +60,8 @@ pub(super) struct Weights<'a, M: ?Sized> {
     density_unit: f64,
     /// For each range the elevation map turned into elevations of its peaks, in metres, and their deviation.
     levels: Vec<(ControlMap, f64)>,
+    /// Cells that are too near to what is kept.
+    near: BTreeSet<Place>,
 }
 
 impl<'a, M: Metric + ?Sized> Weights<'a, M> {
@@ -76,12 +82,27 @@ impl<'a, M: Metric + ?Sized> Weights<'a, M> {
             Some(map) => targets.iter().map(|target| levels(map, target)).collect::<Result<_>>()?,
             None => vec![],
         };
-        Ok(Self { extent, controls, density_unit, levels })
+        Ok(Self { extent, controls, density_unit, levels, near: controls.kept.near() })
+    }
+
+    /// The number of the range that a place is like, from 0; the first where nothing is said.
+    pub(super) fn kind(&self, place: Place, kinds: usize) -> usize {
+        let own = |map: &ControlMap| (0..kinds).find(|&kind| map.at(place, self.extent) == (kind + 1) as f64);
+        self.controls.kind.as_ref().and_then(own).unwrap_or(0)
+    }
+
+    /// Whether a place is in the part of the land that is kept as it is.
+    fn is_within(&self, place: Place) -> bool {
+        #[allow(clippy::cast_sign_loss, reason = "places inside count from 0")]
+        self.controls.kept.within.as_ref().is_some_and(|cells| cells.holds(place.0 as usize, place.1 as usize))
     }
 
     /// How welcome a peak of an elevation and of the range of number `kind` is at a place: 0 to 1.
     pub(super) fn at(&self, place: Place, elevation_m: f64, kind: usize) -> f64 {
         let mut weight = 1.0;
+        if self.near.contains(&place) || self.is_within(place) {
+            return 0.0;
+        }
         if let Some(map) = &self.controls.kind
             && map.at(place, self.extent) != (kind + 1) as f64
         {
@@ -112,7 +133,7 @@ impl<'a, M: Metric + ?Sized> Weights<'a, M> {
         let is_there = |place: Place| {
             let density = self.controls.density.as_ref().is_none_or(|map| map.at(place, self.extent) > 0.0);
             let own = |map: &ControlMap| map.at(place, self.extent) == (kind + 1) as f64;
-            density && self.controls.kind.as_ref().is_none_or(own)
+            density && self.controls.kind.as_ref().is_none_or(own) && !self.is_within(place)
         };
         let found = (0..rows * cols).filter(|&i| is_there(place(i))).count();
         found as f64 / (rows * cols) as f64

@@ -6,7 +6,7 @@ use super::tally::Tally;
 use super::target::Target;
 use crate::components::root;
 use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// A ridge of the tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,12 +23,21 @@ pub(super) struct Edge {
 pub(super) struct Grown {
     /// The ridges of the tree, by falling saddle.
     pub(super) edges: Vec<Edge>,
-    /// Peaks whose prominence is another than any that was drawn.
+    /// New peaks whose prominence is another than any that was drawn.
     pub(super) missed: usize,
 }
 
+/// Whose turn it is; first whatever comes first at one elevation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Turn {
+    /// A peak that wants to end.
+    Peak(Reverse<u32>),
+    /// A kept ridge.
+    Kept(Reverse<u32>),
+}
+
 /// Peaks that are looked at for an exchange.
-const PARTNERS: usize = 64;
+pub(super) const PARTNERS: usize = 64;
 
 /// Grows the tree of peaks, which stand from the highest to the lowest.
 ///
@@ -41,45 +50,64 @@ const PARTNERS: usize = 64;
 ///
 /// Where a component has neighbours with lower tops alone, its peak cannot end yet. It then exchanges prominences with
 /// a lower peak, so that the multiset stays as it was, and dominances as nearly as can be.
+///
+/// A kept ridge joins the components at its ends when the sweep comes to its saddle, and the lower of the two tops ends
+/// there, whatever it was to have; what was drawn for it goes to a peak that was to have about what it has now. No other
+/// ridge joins what kept ridges will join, so they never close a circle. A kept peak that no kept ridge is sure to end
+/// looks for a ridge at its turn as all do, and waits for its kept ridges where there is none.
+///
+/// A kept peak that a kept ridge is sure to end does so at its own saddle. Of all components that kept ridges will join to
+/// its own above that saddle none has a higher top: so it is in the tree that it comes from, and `is_allowed` sees to it
+/// that no other ridge brings a higher one in.
 pub(super) fn grow(roles: &mut [Role], ridges: &[Ridge], targets: &[&Target]) -> Grown {
     let mut growth = Growth::new(roles, ridges, targets);
-    while let Some((level_m, peak)) = growth.next() {
-        match growth.outlet(peak) {
-            Some(ridge) => growth.end(peak, ridge, level_m),
-            None => growth.put_off(peak, level_m),
+    while let Some((level_m, turn)) = growth.next() {
+        match turn {
+            Turn::Kept(Reverse(ridge)) => growth.join(ridge, level_m),
+            Turn::Peak(Reverse(peak)) => match growth.outlet(peak, level_m) {
+                Some(ridge) => growth.end(peak, ridge, level_m),
+                None => growth.put_off(peak, level_m),
+            },
         }
     }
     Grown { edges: growth.edges, missed: growth.missed }
 }
 
 /// Whether a saddle would not lie below the sea, for a peak above it.
-fn fits(prominence_m: f64, elevation_m: f64) -> bool {
+pub(super) fn fits(prominence_m: f64, elevation_m: f64) -> bool {
     elevation_m <= 0.0 || prominence_m <= elevation_m
 }
 
 /// Bits of a float that is not negative or small, in the order of its values.
-fn ordered(value: f64) -> i64 {
+pub(super) fn ordered(value: f64) -> i64 {
     #[allow(clippy::cast_possible_wrap, reason = "the bits as they are")]
     let bits = value.to_bits() as i64;
     if bits < 0 { i64::MIN - bits } else { bits }
 }
 
-struct Growth<'a> {
-    roles: &'a mut [Role],
-    ridges: &'a [Ridge],
-    targets: &'a [&'a Target],
+/// A tree on the way.
+pub(super) struct Growth<'a> {
+    pub(super) roles: &'a mut [Role],
+    pub(super) ridges: &'a [Ridge],
+    pub(super) targets: &'a [&'a Target],
     /// For each peak the way to the top of its component.
     tops: Vec<u32>,
     /// For each top the ridges that leave its component, and some that no longer do.
     out: Vec<Vec<u32>>,
-    /// Peaks by falling key saddle, with levels that may be old.
-    turns: BinaryHeap<(i64, Reverse<u32>)>,
+    /// For each peak the way to one of all that its component and kept ridges will join.
+    linked: Vec<u32>,
+    /// For each top the kept ridges that leave its component, and some that no longer do.
+    pub(super) pending: Vec<Vec<u32>>,
+    /// For each peak the elevation of the kept saddle that it waits for, if it does.
+    pub(super) waits_m: Vec<Option<f64>>,
+    /// Peaks by falling key saddle, with levels that may be old, and kept ridges.
+    turns: BinaryHeap<(i64, Turn)>,
     /// Peaks that have not ended, by prominence.
-    left: BTreeSet<(i64, u32)>,
+    pub(super) left: BTreeSet<(i64, u32)>,
     /// Dominances of the peaks of each range.
-    dominances: Vec<Tally>,
+    pub(super) dominances: Vec<Tally>,
     edges: Vec<Edge>,
-    missed: usize,
+    pub(super) missed: usize,
 }
 
 impl<'a> Growth<'a> {
@@ -89,7 +117,7 @@ impl<'a> Growth<'a> {
         for (number, ridge) in (0..).zip(ridges) {
             ridge.ends.iter().for_each(|&end| out[end as usize].push(number));
         }
-        let of_kind = |kind: usize| roles.iter().filter(move |role| role.kind == kind);
+        let of_kind = |kind: usize| roles.iter().filter(move |role| role.kind == kind && role.kept.is_none());
         let tally = |(kind, target): (usize, &&Target)| {
             let mut tally = Tally::new(&target.dominance.apportion(of_kind(kind).count()));
             of_kind(kind).for_each(|role| tally.add(target.dominance.bin(role.prominence_m / role.elevation_m)));
@@ -102,21 +130,36 @@ impl<'a> Growth<'a> {
             roles,
             ridges,
             targets,
+            linked: tops.clone(),
             tops,
             out,
+            pending: vec![Vec::new(); n],
+            waits_m: vec![None; n],
             turns: BinaryHeap::new(),
             left: BTreeSet::new(),
             dominances,
             edges: Vec::with_capacity(n.saturating_sub(1)),
             missed: 0,
         };
+        for (number, ridge) in (0..).zip(ridges).filter(|(_, ridge)| ridge.kept.is_some()) {
+            growth.turns.push((ordered(ridge.below_m), Turn::Kept(Reverse(number))));
+            growth.link(ridge.ends);
+            ridge.ends.iter().for_each(|&end| growth.pending[end as usize].push(number));
+        }
         for peak in growth.tops.clone().into_iter().skip(1) {
             let role = &mut growth.roles[peak as usize];
-            if !fits(role.prominence_m, role.elevation_m) {
-                role.prominence_m = role.elevation_m;
+            let Some(kept) = &role.kept else {
+                if !fits(role.prominence_m, role.elevation_m) {
+                    role.prominence_m = role.elevation_m;
+                }
+                role.prominence_m = role.elevation_m - stepped(role.elevation_m - role.prominence_m);
+                growth.await_turn(peak);
+                continue;
+            };
+            growth.waits_m[peak as usize] = kept.ends_m;
+            if kept.ends_m.is_none() {
+                growth.await_turn(peak);
             }
-            role.prominence_m = role.elevation_m - stepped(role.elevation_m - role.prominence_m);
-            growth.await_turn(peak);
         }
         growth
     }
@@ -127,51 +170,91 @@ impl<'a> Growth<'a> {
     }
 
     fn await_turn(&mut self, peak: u32) {
-        self.turns.push((ordered(self.level_m(peak)), Reverse(peak)));
+        self.turns.push((ordered(self.level_m(peak)), Turn::Peak(Reverse(peak))));
         self.left.insert((ordered(self.roles[peak as usize].prominence_m), peak));
     }
 
-    /// The peak whose turn it is, with its key saddle's elevation.
-    fn next(&mut self) -> Option<(f64, u32)> {
-        while let Some((level, Reverse(peak))) = self.turns.pop() {
+    /// Whose turn it is, with the saddle's elevation.
+    fn next(&mut self) -> Option<(f64, Turn)> {
+        while let Some((level, turn)) = self.turns.pop() {
+            let peak = match turn {
+                Turn::Kept(Reverse(ridge)) => return Some((self.ridges[ridge as usize].below_m, turn)),
+                Turn::Peak(Reverse(peak)) => peak,
+            };
             let level_m = self.level_m(peak);
             let is_left = self.left.contains(&(ordered(self.roles[peak as usize].prominence_m), peak));
             if is_left && ordered(level_m) == level {
-                return Some((level_m, peak));
+                return Some((level_m, turn));
             }
         }
         None
     }
 
     /// The top of a peak's component.
-    fn top(&mut self, peak: u32) -> u32 {
+    pub(super) fn top(&mut self, peak: u32) -> u32 {
         root(&mut self.tops, peak)
     }
 
+    /// Notes that two peaks will be joined.
+    fn link(&mut self, ends: [u32; 2]) {
+        let [a, b] = ends.map(|end| root(&mut self.linked, end));
+        self.linked[a as usize] = b;
+    }
+
+    /// Whether two peaks will be joined by what is there and by kept ridges.
+    pub(super) fn is_linked(&mut self, a: u32, b: u32) -> bool {
+        root(&mut self.linked, a) == root(&mut self.linked, b)
+    }
+
     /// The cheapest ridge from the component of a top to one with a higher top.
-    fn outlet(&mut self, peak: u32) -> Option<u32> {
+    fn outlet(&mut self, peak: u32, level_m: f64) -> Option<u32> {
         let mut ridges = std::mem::take(&mut self.out[peak as usize]);
         let mut best: Option<(f64, u32)> = None;
+        let mut others = vec![];
+        let is_bound = !self.pending[peak as usize].is_empty();
         ridges.retain(|&number| {
             let ridge = &self.ridges[number as usize];
             let [a, b] = ridge.ends.map(|end| self.top(end));
             let other = if a == peak { b } else { a };
-            if other < peak && best.is_none_or(|(weight, first)| (ridge.weight, number) < (weight, first)) {
-                best = Some((ridge.weight, number));
+            if other == peak || ridge.kept.is_some() {
+                return other != peak;
             }
-            other != peak
+            if self.is_linked(peak, other) {
+                return false;
+            }
+            let is_cheapest = best.is_none_or(|(weight, first)| (ridge.weight, number) < (weight, first));
+            if other < peak && level_m < ridge.below_m && (is_bound || is_cheapest) {
+                best = Some((ridge.weight, number));
+                if is_bound {
+                    others.push((ridge.weight, number, other));
+                }
+            }
+            true
         });
         self.out[peak as usize] = ridges;
-        best.map(|(_, number)| number)
+        if !is_bound {
+            return best.map(|(_, number)| number);
+        }
+        others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mine = self.reach(peak);
+        let mut seen: BTreeMap<u32, bool> = BTreeMap::new();
+        let mut is_allowed = |other: u32| {
+            *seen.entry(other).or_insert_with(|| {
+                let theirs = self.reach(other);
+                self.is_allowed(&mine, &theirs) && self.is_allowed(&theirs, &mine)
+            })
+        };
+        others.into_iter().find(|&(_, _, other)| is_allowed(other)).map(|(_, number, _)| number)
     }
 
     /// Ends a peak at a ridge's saddle.
-    fn end(&mut self, peak: u32, number: u32, level_m: f64) {
+    pub(super) fn end(&mut self, peak: u32, number: u32, level_m: f64) {
         let ends = self.ridges[number as usize].ends;
         let [a, b] = ends.map(|end| self.top(end));
         let higher = if a == peak { b } else { a };
         self.edges.push(Edge { ridge: number, saddle_m: level_m, ended: peak });
         self.left.remove(&(ordered(self.roles[peak as usize].prominence_m), peak));
+        self.link(ends);
         self.tops[peak as usize] = higher;
         let mut mine = std::mem::take(&mut self.out[peak as usize]);
         let theirs = &mut self.out[higher as usize];
@@ -179,24 +262,48 @@ impl<'a> Growth<'a> {
             std::mem::swap(&mut mine, theirs);
         }
         theirs.extend(mine);
+        let bound = std::mem::take(&mut self.pending[peak as usize]);
+        self.pending[higher as usize].extend(bound);
     }
 
-    /// Gives a peak that cannot end yet a greater prominence.
+    /// The elevation at which a top ends, as far as is known.
+    fn awaited_m(&self, peak: u32) -> f64 {
+        self.waits_m[peak as usize].unwrap_or_else(|| self.level_m(peak))
+    }
+
+    /// Gives a peak that cannot end yet a greater prominence, or lets it wait for a kept ridge.
     fn put_off(&mut self, peak: u32, level_m: f64) {
         // Nothing changes for it before one of its neighbours has ended.
-        let mut next_m = f64::NEG_INFINITY;
+        let (mut next_m, mut kept_m) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
         for number in self.out[peak as usize].clone() {
-            let [a, b] = self.ridges[number as usize].ends.map(|end| self.top(end));
+            let ridge = self.ridges[number as usize];
+            let [a, b] = ridge.ends.map(|end| self.top(end));
             let other = if a == peak { b } else { a };
-            next_m = next_m.max(self.level_m(other));
+            if ridge.kept.is_some() {
+                kept_m = kept_m.max(ridge.below_m);
+            } else if other > peak || ridge.below_m <= level_m {
+                let neighbour_m = if other < peak { f64::INFINITY } else { self.awaited_m(other) };
+                next_m = next_m.max(neighbour_m.min(stepped(ridge.below_m - STEP_M)));
+            }
+            // All others are barred by what waits for kept ridges, of which one is at its own component.
         }
         let Role { elevation_m, prominence_m, .. } = self.roles[peak as usize];
+        if kept_m > f64::NEG_INFINITY && kept_m >= next_m {
+            self.waits_m[peak as usize] = Some(kept_m);
+            self.left.remove(&(ordered(prominence_m), peak));
+            return;
+        }
         if next_m == f64::NEG_INFINITY {
             // Without any neighbour it is apart from all others, which a triangulation rules out.
             self.left.remove(&(ordered(prominence_m), peak));
             return;
         }
-        let needed_m = (elevation_m - next_m).max(prominence_m + STEP_M);
+        self.exchange(peak, (elevation_m - next_m).max(prominence_m + STEP_M), level_m);
+    }
+
+    /// Gives a peak a prominence of `needed_m` or more, in exchange with another if that can be.
+    pub(super) fn exchange(&mut self, peak: u32, needed_m: f64, level_m: f64) {
+        let Role { prominence_m, kept, .. } = self.roles[peak as usize];
         match self.partner(peak, needed_m, level_m) {
             Some(partner) => {
                 let theirs_m = self.roles[partner as usize].prominence_m;
@@ -204,23 +311,25 @@ impl<'a> Growth<'a> {
                 self.set(partner, prominence_m);
             }
             None => {
-                self.missed += 1;
+                self.missed += usize::from(kept.is_none());
                 self.set(peak, needed_m + STEP_M);
             }
         }
     }
 
-    fn dominance_bin(&self, peak: u32, prominence_m: f64) -> usize {
+    pub(super) fn dominance_bin(&self, peak: u32, prominence_m: f64) -> usize {
         let Role { elevation_m, kind, .. } = self.roles[peak as usize];
         self.targets[kind].dominance.bin(prominence_m / elevation_m)
     }
 
-    fn set(&mut self, peak: u32, prominence_m: f64) {
+    pub(super) fn set(&mut self, peak: u32, prominence_m: f64) {
         let old_m = self.roles[peak as usize].prominence_m;
         self.left.remove(&(ordered(old_m), peak));
-        let (from, to) = (self.dominance_bin(peak, old_m), self.dominance_bin(peak, prominence_m));
-        let kind = self.roles[peak as usize].kind;
-        self.dominances[kind].move_one(from, to);
+        let Role { kind, kept, .. } = self.roles[peak as usize];
+        if kept.is_none() {
+            let (from, to) = (self.dominance_bin(peak, old_m), self.dominance_bin(peak, prominence_m));
+            self.dominances[kind].move_one(from, to);
+        }
         self.roles[peak as usize].prominence_m = prominence_m;
         self.await_turn(peak);
     }
@@ -228,12 +337,16 @@ impl<'a> Growth<'a> {
     /// A lower peak that has not ended and has a prominence of `needed_m` or little more, which it can exchange for
     /// that of `peak`; the one after whose exchange dominances are best.
     fn partner(&mut self, peak: u32, needed_m: f64, level_m: f64) -> Option<u32> {
-        let Role { elevation_m, prominence_m, kind, .. } = self.roles[peak as usize];
+        let Role { elevation_m, prominence_m, kind, kept, .. } = self.roles[peak as usize];
+        if kept.is_some() {
+            // What it has was not drawn.
+            return None;
+        }
         let mut candidates = Vec::with_capacity(PARTNERS);
         for &(_, other) in self.left.range((ordered(needed_m), 0)..) {
             let role = &self.roles[other as usize];
             // A higher peak would end above the saddles that are there already.
-            let is_fit = other > peak && role.kind == kind;
+            let is_fit = other > peak && role.kind == kind && role.kept.is_none();
             let can_take = fits(prominence_m, role.elevation_m) && fits(role.prominence_m, elevation_m);
             if is_fit && can_take && role.elevation_m - prominence_m <= level_m {
                 candidates.push(other);
@@ -286,6 +399,10 @@ mod tests {
         }
     }
 
+    fn ridge(ends: [u32; 2], weight: f64) -> Ridge {
+        Ridge { ends, joints: ends, weight, beside: [None; 2], below_m: f64::INFINITY, kept: None }
+    }
+
     /// For each peak but the first the elevation of its key saddle: of all ways in the tree to a higher peak the
     /// greatest lowest saddle.
     fn key_saddles(n: usize, edges: &[Edge], ridges: &[Ridge]) -> Vec<f64> {
@@ -320,14 +437,14 @@ mod tests {
             let mut roles: Vec<Role> = elevations.iter().zip(&drawn).map(|(&h, d)| {
                 let elevation_m = f64::from(h) * STEP_M;
                 let prominence_m = (elevation_m * f64::from(d.1) / 1000.0 / STEP_M).floor().max(1.0) * STEP_M;
-                Role { elevation_m, prominence_m, isolation_m: 1.0, azimuth: 0.0, kind: 0 }
+                Role { elevation_m, prominence_m, isolation_m: 1.0, azimuth: 0.0, kind: 0, kept: None }
             }).collect();
             // A path through all peaks, so that the graph is in one piece, and more.
             let path = (1..n as u32).map(|i| (i - 1, i, i * 7 % 50));
             let other = extra.iter().map(|&(a, b, w)| (a % n as u32, b % n as u32, w)).filter(|(a, b, _)| a != b);
             let ridges: Vec<Ridge> = path
                 .chain(other)
-                .map(|(a, b, w)| Ridge { ends: [a.min(b), a.max(b)], weight: f64::from(w), beside: [None; 2] })
+                .map(|(a, b, w)| ridge([a.min(b), a.max(b)], f64::from(w)))
                 .collect();
             let mut before: Vec<f64> = roles[1..].iter().map(|role| role.prominence_m).collect();
             let grown = grow(&mut roles, &ridges, &[&target()]);

@@ -10,14 +10,21 @@
 //!    leads to a higher top: a spanning tree whose prominences are as drawn.
 //! 4. `saddles`: each saddle gets a place beside its ridge.
 //!
+//! Peaks and ridges of a real tree may be [`Kept`]: `roles` puts them among those that are cast, they stand before darts
+//! are thrown, their ridges are edges that are given to the triangulation, and growth joins at their saddles (`held`).
+//!
 //! What comes out is a [`crate::orometry::GivenTree`], which [`crate::orometry::survey_tree`] measures.
 
 mod cast;
 mod controls;
 mod corridors;
+mod crossing;
 mod extent;
 mod grow;
+mod held;
+mod kept;
 mod ridges;
+mod roles;
 mod saddles;
 mod strata;
 mod synthesize;
@@ -28,5 +35,6 @@ mod throw;
 
 pub use controls::{ControlMap, Controls};
 pub use extent::Extent;
+pub use kept::{Kept, KeptPeak, KeptRidge, prominences_m};
 pub use synthesize::{Synthesis, SynthesisOptions, peak_counts, synthesize};
 pub use target::Target;

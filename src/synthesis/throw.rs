@@ -37,7 +37,7 @@ const LEAST_PART: f64 = 0.5;
 /// How far a peak is from the nearest higher one depends on the higher ones alone. Placed in this order, a peak gets
 /// its isolation when it gets its place, and no peak that comes later changes it: what the paper leaves to the chance
 /// of acceptance is exact here. A dart is thrown at the drawn distance and direction from a random peak, and counts
-/// where no other peak is nearer.
+/// where no other peak is nearer. Kept peaks are where they are.
 pub(super) fn throw<M: Metric + ?Sized>(
     targets: &[&Target],
     mut roles: Vec<Role>,
@@ -56,6 +56,7 @@ pub(super) fn throw<M: Metric + ?Sized>(
         }
         let darts = Darts { targets, extent, crowd: &crowd, corridors: &corridors, weights };
         let place = match i {
+            _ if roles[i].kept.is_some() => roles[i].kept.map(|kept| kept.place),
             0 => darts.anywhere(&roles[0], rng),
             _ => darts.find(&mut roles, i, rng).or_else(|| {
                 misplaced += 1;
@@ -68,7 +69,8 @@ pub(super) fn throw<M: Metric + ?Sized>(
                 format!("the extent has no room for more than {i} of {} peaks", roles.len()),
             ));
         };
-        if let Some((_, higher)) = crowd.nearest(place, 0.0, f64::INFINITY) {
+        let is_sure = roles[i].kept.is_some_and(|kept| kept.ends_m.is_some());
+        if let Some((_, higher)) = crowd.nearest(place, 0.0, f64::INFINITY).filter(|_| !is_sure) {
             let higher = crowd.places()[higher as usize];
             corridors.add(place, higher, roles[i].elevation_m - roles[i].prominence_m);
         }
@@ -98,7 +100,8 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
         let left = (roles.len() - i - 1).min(OTHERS);
         for _ in 0..left {
             let j = i + 1 + rng.below((roles.len() - i - 1) as u64) as usize;
-            if roles[j].isolation_m >= role.isolation_m || roles[j].kind != role.kind {
+            let is_other = roles[j].kind != role.kind || roles[j].kept.is_some();
+            if roles[j].isolation_m >= role.isolation_m || is_other {
                 continue;
             }
             let found = self.at(&role, roles[j].isolation_m, None, OTHERS_TRIALS, rng);

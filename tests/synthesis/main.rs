@@ -6,6 +6,7 @@
 #![allow(unreachable_pub, reason = "modules of a test binary say what they offer to each other")]
 
 mod controls;
+mod kept;
 mod likeness;
 mod measures;
 mod range;

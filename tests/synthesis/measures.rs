@@ -64,10 +64,8 @@ proptest! {
         saddles.dedup();
         // Where three ridges meet at one saddle the tree cannot be given.
         prop_assume!(saddles.len() == truth.edges.len());
-        let pass = |edge: &orograph::orometry::TreeEdge| GivenPass {
-            peaks: [edge.peak_a - 1, edge.peak_b - 1],
-            cell: edge.saddle_cell,
-            elevation_m: edge.saddle_elevation_m,
+        let pass = |edge: &orograph::orometry::TreeEdge| {
+            GivenPass::straight([edge.peak_a - 1, edge.peak_b - 1], edge.saddle_cell, edge.saddle_elevation_m)
         };
         let tree = GivenTree {
             cols,
@@ -93,7 +91,7 @@ proptest! {
 
 #[test]
 fn what_is_no_tree_is_refused() {
-    let pass = |peaks, cell, elevation_m| GivenPass { peaks, cell, elevation_m };
+    let pass = GivenPass::straight;
     let good = GivenTree {
         cols: 10,
         rows: 10,

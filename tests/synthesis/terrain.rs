@@ -155,12 +155,12 @@ fn a_bent_tree_without_lines() {
         cols: 200,
         peaks: vec![(cell(40, 40), 1200.0), (cell(100, 90), 1100.0), (cell(50, 160), 1000.0)],
         passes: vec![
-            GivenPass { peaks: [0, 1], cell: cell(70, 60), elevation_m: 800.0 },
-            GivenPass { peaks: [1, 2], cell: cell(70, 130), elevation_m: 700.0 },
+            GivenPass::straight([0, 1], cell(70, 60), 800.0),
+            GivenPass::straight([1, 2], cell(70, 130), 700.0),
         ],
     };
-    let skeleton = Skeleton::of_tree(&tree, [CELL_M; 2], 7);
-    assert_ne!(skeleton.ridges, Skeleton::of_tree(&tree, [CELL_M; 2], 8).ridges, "the seed bends them");
+    let skeleton = Skeleton::of_tree(&tree, &|_| false, [CELL_M; 2], 7);
+    assert_ne!(skeleton.ridges, Skeleton::of_tree(&tree, &|_| false, [CELL_M; 2], 8).ridges, "the seed bends them");
     for ridge in &skeleton.ridges {
         let spot = &skeleton.saddles[ridge.saddle as usize];
         let top = &skeleton.peaks[ridge.peak as usize];

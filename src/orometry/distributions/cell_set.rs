@@ -195,6 +195,12 @@ impl CellSet {
         &self.runs[row]
     }
 
+    /// Whether a cell of the grid is one of them.
+    pub fn holds(&self, row: usize, col: usize) -> bool {
+        let runs = &self.runs[row];
+        runs.partition_point(|run| run.end <= col) < runs.partition_point(|run| run.start <= col)
+    }
+
     /// Number of cells.
     pub fn count(&self) -> u64 {
         self.runs.iter().flatten().map(|run| run.len() as u64).sum()

@@ -4,21 +4,22 @@ use super::super::land::Land;
 use super::super::layers::{DivideTreeLayer, Frame, IsolationLayer, LengthOutput, NAMES, PeaksLayer, SaddlesLayer};
 use super::super::memory;
 use super::super::metric::AnyMetric;
+use super::super::regions::Regions;
 use super::super::surveying::own_geographic;
-use super::super::terrain::{RasterOutput, TerrainShape, TerrainTarget, tell_crossings};
+use super::super::terrain::{RasterOutput, TerrainShape, TerrainTarget, read_kept, tell_crossings};
 use super::maps::Maps;
 use super::range::{Range, RangeOptions};
 use crate::erosion::Relief;
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::io::output::Output;
 use crate::io::raster::parse_crs;
 use crate::io::vector::{Table, Writer};
-use crate::orometry::distributions::{BinSet, Comparison, Domain, PeakMeasures, Selection, compare};
+use crate::orometry::distributions::{BinSet, CellSet, Comparison, Domain, PeakMeasures, Selection, compare};
 use crate::orometry::{Survey, survey_tree};
 use crate::synthesis::terrain::{Raised, Skeleton, TerrainOptions, raise};
 use crate::synthesis::{Extent, Synthesis, SynthesisOptions, Target, peak_counts, synthesize};
 use crate::watch::Watch;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// What to do.
@@ -52,12 +53,23 @@ pub struct SynthesizeJob {
     pub elevation_map: Option<PathBuf>,
     /// A raster of the numbers, from 1, of the ranges to be like.
     pub type_map: Option<PathBuf>,
+    /// What of a tree is kept, if anything.
+    pub keep: Option<KeepPart>,
     /// How to synthesise.
     pub options: SynthesisOptions,
     /// Bytes of memory that may be used; what is free unless given.
     pub memory: Option<u64>,
     /// The options that change results, for the metadata.
     pub command: String,
+}
+
+/// What of a tree is kept.
+#[derive(Clone, Debug)]
+pub struct KeepPart {
+    /// The tree: layers that `orograph peaks` wrote, or a text.
+    pub tree: PathBuf,
+    /// Polygons of the part to keep, in which no new peaks stand; all of the tree is kept unless given.
+    pub within: Option<PathBuf>,
 }
 
 /// The terrain of a synthesis.
@@ -80,9 +92,15 @@ pub struct SynthesizeReport {
     pub area_km2: f64,
     /// How far the peaks like each range are from it.
     pub ranges: Vec<RangeReport>,
-    /// Peaks that found no room at the isolation that was drawn for them.
+    /// Peaks that were kept.
+    pub kept_peaks: usize,
+    /// Ridges that were kept.
+    pub kept_ridges: usize,
+    /// Kept peaks with another prominence than in the tree that they come from.
+    pub altered: usize,
+    /// New peaks that found no room at the isolation that was drawn for them.
     pub misplaced: usize,
-    /// Peaks that could not have a prominence that was drawn.
+    /// New peaks that could not have a prominence that was drawn.
     pub misjudged: usize,
     /// The files written.
     pub outputs: Vec<PathBuf>,
@@ -99,7 +117,7 @@ pub struct RangeReport {
     pub path: PathBuf,
     /// Its own peaks.
     pub like_peaks: u64,
-    /// Those that were made.
+    /// Those that were made; kept ones do not count.
     pub peaks: u64,
     /// Statistics of those, isolations being those to higher peaks.
     pub domain: Domain,
@@ -146,7 +164,11 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         kind: job.type_map.as_ref(),
         memory: job.memory,
     };
-    let controls = maps.read(&land, watch)?;
+    let mut controls = maps.read(&land, watch)?;
+    if let Some(KeepPart { tree, within }) = &job.keep {
+        let within = within.as_ref().map(|path| polygons(path, &land, &mut note)).transpose()?;
+        controls.kept = read_kept(tree, &land, within, &mut note)?;
+    }
     let measured = begun.elapsed();
     let begun = Instant::now();
     let to_geographic = own_geographic(land.crs.as_ref())?;
@@ -154,7 +176,8 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     let extent: Extent<'_, AnyMetric<'_>> = Extent::new(land.rows, land.cols, &metric);
     let targets: Vec<&Target> = ranges.iter().map(|range| &range.target).collect();
     let counts = peak_counts(&extent, &targets, &controls, job.peaks)?;
-    let needed = memory::synthesis_bytes(counts.iter().map(|&count| count as u64).sum());
+    let kept = controls.kept.peaks.len() as u64;
+    let needed = memory::synthesis_bytes(counts.iter().map(|&count| count as u64).sum::<u64>() + kept);
     memory::admit_or(needed, job.memory.unwrap_or_else(memory::free_bytes), "give fewer peaks")?;
     let made = synthesize(&extent, &targets, &counts, &controls, &job.options, watch)?;
     let survey = survey_tree(&made.tree, &metric)?;
@@ -194,6 +217,9 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
         size: land.size(),
         area_km2: extent.area_km2(),
         ranges: reports,
+        kept_peaks: controls.kept.peaks.len(),
+        kept_ridges: controls.kept.ridges.len(),
+        altered: made.altered,
         misplaced: made.misplaced,
         misjudged: made.misjudged,
         outputs,
@@ -224,6 +250,16 @@ fn land(range: &Range, job: &SynthesizeJob) -> Result<Land> {
     Land::covering(bbox, given.or(own_crs), job.resolution_m)
 }
 
+/// The cells of some land that lie in the polygons of a file.
+fn polygons(path: &Path, land: &Land, note: &mut dyn FnMut(String)) -> Result<CellSet> {
+    let regions = Regions::read_nameless(path, land.crs.as_ref(), note)?;
+    let cells = regions.cells(&land.transform, land.size()).pop().map(|(_, cells)| cells);
+    cells.filter(|cells| cells.count() > 0).ok_or_else(|| {
+        let message = "none of its polygons lies on the land; check where they lie, and in which CRS";
+        Error::new(ErrorKind::Input, message).at_path(path)
+    })
+}
+
 /// Terrain that waits to be written.
 struct Waiting {
     target: TerrainTarget,
@@ -245,7 +281,7 @@ fn raised(
     note: &mut dyn FnMut(String),
 ) -> Result<Waiting> {
     let target = TerrainTarget::begin(&part.output, land, metadata)?;
-    let skeleton = Skeleton::of_tree(&made.tree, cell_m, job.options.seed);
+    let skeleton = Skeleton::of_tree(&made.tree, &|pass| made.kept_passes[pass].is_some(), cell_m, job.options.seed);
     // Whoever says how steep the ground is gets it as it is: nothing is chosen.
     let like = range.likeness.as_ref().filter(|_| part.shape.slope.is_none());
     let options = part.shape.options(&skeleton, land, like, job.memory, watch)?;
@@ -254,7 +290,7 @@ fn raised(
     Ok(Waiting { target, relief, options })
 }
 
-/// Holds what was made against the ranges.
+/// Holds the new peaks against the ranges.
 fn report(
     job: &SynthesizeJob,
     ranges: &[Range],
@@ -262,8 +298,8 @@ fn report(
     survey: &Survey,
     area_km2: f64,
 ) -> Result<Vec<RangeReport>> {
-    let kind_of: std::collections::BTreeMap<u64, usize> =
-        made.tree.peaks.iter().zip(&made.kinds).map(|(peak, &kind)| (peak.0, kind)).collect();
+    let new = made.tree.peaks.iter().zip(&made.kinds).zip(&made.kept).filter(|(_, kept)| kept.is_none());
+    let kind_of: std::collections::BTreeMap<u64, usize> = new.map(|((peak, &kind), _)| (peak.0, kind)).collect();
     let report = |(kind, (range, path)): (usize, (&Range, &PathBuf))| {
         let peaks: Vec<PeakMeasures> =
             survey.peaks.iter().filter(|peak| kind_of.get(&peak.cell) == Some(&kind)).map(PeakMeasures::from).collect();

@@ -26,7 +26,12 @@ impl Maps<'_> {
     /// A raster that cannot be read, is in another CRS, or does not cover the land.
     pub(super) fn read(&self, land: &Land, watch: &Watch) -> Result<Controls> {
         let read = |path: Option<&PathBuf>| path.map(|path| self.map(path, land, watch)).transpose();
-        Ok(Controls { density: read(self.density)?, elevation: read(self.elevation)?, kind: read(self.kind)? })
+        Ok(Controls {
+            density: read(self.density)?,
+            elevation: read(self.elevation)?,
+            kind: read(self.kind)?,
+            ..Controls::default()
+        })
     }
 
     fn map(&self, path: &Path, land: &Land, watch: &Watch) -> Result<ControlMap> {

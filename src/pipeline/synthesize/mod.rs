@@ -5,4 +5,4 @@ mod job;
 mod maps;
 mod range;
 
-pub use job::{RangeReport, SynthesizeJob, SynthesizeReport, TerrainPart, run};
+pub use job::{KeepPart, RangeReport, SynthesizeJob, SynthesizeReport, TerrainPart, run};

@@ -29,6 +29,56 @@ pub(super) struct DrawnLine {
     pub(super) name: String,
 }
 
+/// A line with its peaks and its saddle.
+pub(super) struct JoinedLine {
+    /// Positions of the peaks at its beginning and its end.
+    pub(super) ends: [u32; 2],
+    /// Position of the saddle.
+    pub(super) saddle: u32,
+    /// Its points, column and row of the land, from the saddle back to the beginning, and on to the end.
+    pub(super) sides: [Vec<[f64; 2]>; 2],
+}
+
+/// Cells that peaks and saddles have taken, with their names and whether that are saddles.
+#[derive(Default)]
+pub(super) struct Cells<'a>(BTreeMap<[usize; 2], (&'a str, bool)>);
+
+impl<'a> Cells<'a> {
+    /// Takes a cell. Several peaks may end in one: it is a saddle of each.
+    ///
+    /// # Errors
+    /// A cell that is taken.
+    pub(super) fn take(&mut self, cell: [usize; 2], name: &'a str, is_saddle: bool) -> Result<()> {
+        match self.0.insert(cell, (name, is_saddle)) {
+            Some((other, was_saddle)) if !(is_saddle && was_saddle) => {
+                let message =
+                    format!("{name} and {other} lie in one cell: take one away, or give a finer --resolution");
+                Err(Error::new(ErrorKind::Input, message))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Column and row of a place, whole numbers at centres of cells.
+fn pixel(land: &Land, (x, y): (f64, f64)) -> [f64; 2] {
+    let (row, col) = land.transform.pixel(x, y);
+    [col - 0.5, row - 0.5]
+}
+
+/// Row and column of the cell of a place, if it is on the land.
+pub(super) fn cell_on(land: &Land, at: (f64, f64)) -> Option<[usize; 2]> {
+    cell_at(land, pixel(land, at))
+}
+
+/// Row and column of the cell of a point in columns and rows, if it is on the land.
+pub(super) fn cell_at(land: &Land, point: [f64; 2]) -> Option<[usize; 2]> {
+    let [col, row] = point.map(f64::round);
+    let is_inside = row >= 0.0 && col >= 0.0 && row < land.rows as f64 && col < land.cols as f64;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside of the land")]
+    is_inside.then_some([row as usize, col as usize])
+}
+
 /// A divide tree as it is drawn.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DrawnTree {
@@ -69,42 +119,58 @@ impl DrawnTree {
         if self.peaks.is_empty() {
             return wrong("there are no peaks: nothing to raise terrain on".into());
         }
-        let pixel = |(x, y): (f64, f64)| {
-            let (row, col) = land.transform.pixel(x, y);
-            [col - 0.5, row - 0.5]
-        };
-        let mut taken: BTreeMap<(usize, usize), (&str, bool)> = BTreeMap::new();
+        let mut taken = Cells::default();
         let (mut peaks, mut saddles) = (vec![], vec![]);
         for (is_saddle, drawn, placed) in [(false, &self.peaks, &mut peaks), (true, &self.saddles, &mut saddles)] {
             for spot in drawn {
-                let [col, row] = pixel(spot.at).map(|at| at.round());
-                if !(row >= 0.0 && col >= 0.0 && row < land.rows as f64 && col < land.cols as f64) {
+                let Some([row, col]) = cell_on(land, spot.at) else {
                     return wrong(format!("{} lies outside of the land: give a larger --bbox", spot.name));
-                }
-                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside of the land")]
-                let (row, col) = (row as usize, col as usize);
-                // Several peaks may end in one cell: it is a saddle of each.
-                if let Some((other, was_saddle)) = taken.insert((row, col), (&spot.name, is_saddle))
-                    && !(is_saddle && was_saddle)
-                {
-                    return wrong(format!(
-                        "{} and {other} lie in one cell: take one away, or give a finer --resolution",
-                        spot.name
-                    ));
-                }
+                };
+                taken.take([row, col], &spot.name, is_saddle)?;
                 placed.push(Spot { row, col, elevation_m: spot.elevation_m });
             }
         }
+        let joined = self.joined(land)?;
+        let mut ridges: Vec<RidgeLine> = Vec::with_capacity(2 * joined.len());
+        let mut has_line = vec![false; saddles.len()];
+        for JoinedLine { ends, saddle, sides: [back, on] } in joined {
+            let place = |spot: &Spot| [spot.col as f64, spot.row as f64];
+            for (peak, bends) in ends.into_iter().zip([back, on]) {
+                let mut points = vec![place(&saddles[saddle as usize])];
+                points.extend(bends);
+                points.push(place(&peaks[peak as usize]));
+                ridges.push(RidgeLine { saddle, peak, points });
+            }
+            has_line[saddle as usize] = true;
+        }
+        let idle = has_line.iter().filter(|has| !**has).count();
+        if idle > 0 {
+            warn(&format!("saddles that no line leads over, left out: {idle}"));
+            let mut number = 0;
+            let kept: Vec<u32> = has_line.iter().map(|&has| (number, number += u32::from(has)).0).collect();
+            ridges.iter_mut().for_each(|ridge| ridge.saddle = kept[ridge.saddle as usize]);
+            let mut has_line = has_line.into_iter();
+            saddles.retain(|_| has_line.next().unwrap_or(false));
+        }
+        Ok(Skeleton { size: [land.rows, land.cols], cell_m, peaks, saddles, ridges })
+    }
+
+    /// The lines with their peaks and saddles: geometry decides, see [`DrawnTree::placed`].
+    ///
+    /// # Errors
+    /// Lines that make no tree, by their names.
+    pub(super) fn joined(&self, land: &Land) -> Result<Vec<JoinedLine>> {
+        let wrong = |message: String| Err(Error::new(ErrorKind::Input, message));
         let tree = |drawn: &[DrawnSpot]| -> Places {
-            let places = (0..).zip(drawn).map(|(i, spot)| GeomWithData::new(pixel(spot.at), i)).collect();
+            let places = (0..).zip(drawn).map(|(i, spot)| GeomWithData::new(pixel(land, spot.at), i)).collect();
             RTree::bulk_load(places)
         };
         let (peak_places, saddle_places) = (tree(&self.peaks), tree(&self.saddles));
-        let mut ridges: Vec<RidgeLine> = Vec::with_capacity(2 * self.lines.len());
+        let mut joined: Vec<JoinedLine> = Vec::with_capacity(self.lines.len());
         let mut line_of: Vec<Option<usize>> = vec![None; self.saddles.len()];
         let mut parents: Vec<u32> = (0..self.peaks.len() as u32).collect();
         for (number, line) in self.lines.iter().enumerate() {
-            let points: Vec<[f64; 2]> = line.points.iter().map(|&point| pixel(point)).collect();
+            let points: Vec<[f64; 2]> = line.points.iter().map(|&point| pixel(land, point)).collect();
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
             let near = |point: &[f64; 2]| peak_places.nearest_neighbor(*point).map_or(0, |place| place.data);
             let ends = [near(first), near(last)];
@@ -139,28 +205,10 @@ impl DrawnTree {
                 return wrong(format!("{} closes a circle of ridges: a divide tree has none", line.name));
             }
             parents[roots[0].max(roots[1]) as usize] = roots[0].min(roots[1]);
-            let place = |spot: &Spot| [spot.col as f64, spot.row as f64];
-            let top = [ends[0], ends[1]].map(|peak| place(&peaks[peak as usize]));
-            let start = place(&saddles[saddle as usize]);
-            let mut back: Vec<[f64; 2]> = vec![start];
-            back.extend(points[..=segment].iter().rev());
-            back.push(top[0]);
-            let mut on = vec![start];
-            on.extend(&points[segment + 1..]);
-            on.push(top[1]);
-            ridges.push(RidgeLine { saddle, peak: ends[0], points: back });
-            ridges.push(RidgeLine { saddle, peak: ends[1], points: on });
+            let back = points[..=segment].iter().rev().copied().collect();
+            joined.push(JoinedLine { ends, saddle, sides: [back, points[segment + 1..].to_vec()] });
         }
-        let idle = line_of.iter().filter(|line| line.is_none()).count();
-        if idle > 0 {
-            warn(&format!("saddles that no line leads over, left out: {idle}"));
-            let mut number = 0;
-            let kept: Vec<u32> = line_of.iter().map(|line| (number, number += u32::from(line.is_some())).0).collect();
-            ridges.iter_mut().for_each(|ridge| ridge.saddle = kept[ridge.saddle as usize]);
-            let mut has_line = line_of.iter().map(Option::is_some);
-            saddles.retain(|_| has_line.next().unwrap_or(false));
-        }
-        Ok(Skeleton { size: [land.rows, land.cols], cell_m, peaks, saddles, ridges })
+        Ok(joined)
     }
 
     /// The saddles that a line may lead over, with the segments that they are nearest to. All that are about as near as

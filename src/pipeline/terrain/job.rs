@@ -3,9 +3,8 @@
 use super::super::land::Land;
 use super::super::surveying::own_geographic;
 use super::drawn::DrawnTree;
-use super::layers::read_layers;
+use super::kept::read;
 use super::shape::TerrainShape;
-use super::text::read_tree;
 use super::write::{RasterOutput, TerrainTarget};
 use crate::crs::Crs;
 use crate::error::Result;
@@ -67,8 +66,7 @@ pub struct TerrainReport {
 /// Anything that is wrong with the tree, the map, the output or the options; then no file has changed.
 pub fn run(job: &TerrainJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<TerrainReport> {
     let begun = Instant::now();
-    let extension = job.tree.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let mut tree = if extension == "txt" { read_tree(&job.tree)? } else { read_layers(&job.tree)? };
+    let mut tree = read(&job.tree)?;
     if tree.crs.is_none() {
         tree.crs = job.crs.as_deref().map(parse_crs).transpose()?;
     } else if job.crs.is_some() {

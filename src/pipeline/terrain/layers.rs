@@ -8,11 +8,11 @@ use crate::units::FOOT_M;
 use geo::Geometry;
 use std::path::Path;
 
-/// Reads the layers `peaks`, `saddles` and `divide_tree`.
+/// Reads the layers `peaks`, `saddles` and `divide_tree`, in their own CRS or in that of `target_wkt`.
 ///
 /// # Errors
 /// A file without them, points without an elevation, lines that are none.
-pub(super) fn read_layers(path: &Path) -> Result<DrawnTree> {
+pub(super) fn read_layers(path: &Path, target_wkt: Option<&str>) -> Result<DrawnTree> {
     let refuse = |message: String| Error::new(ErrorKind::Input, message).at_path(path);
     let there = list_layers(path)?;
     let names: Vec<&str> = there.iter().map(|layer| layer.name.as_str()).collect();
@@ -29,7 +29,7 @@ pub(super) fn read_layers(path: &Path) -> Result<DrawnTree> {
         let Some((field, metres)) = units.into_iter().find(|(field, _)| fields.iter().any(|own| own == field)) else {
             return Err(refuse(format!("layer {name} has neither elevation_m nor elevation_ft")));
         };
-        let layer = read_layer(path, Some(name), &[field], None)?;
+        let layer = read_layer(path, Some(name), &[field], target_wkt)?;
         let kind = name.trim_end_matches('s');
         let spot = |(number, feature): (usize, &Feature)| -> Result<DrawnSpot> {
             let name = named(kind, feature, number);
@@ -47,7 +47,7 @@ pub(super) fn read_layers(path: &Path) -> Result<DrawnTree> {
     let (layer, peaks) = spots("peaks")?;
     let wkt = layer.crs_wkt;
     let (layer, saddles) = spots("saddles")?;
-    let lines = read_layer(path, Some("divide_tree"), &[], None)?;
+    let lines = read_layer(path, Some("divide_tree"), &[], target_wkt)?;
     if layer.crs_wkt != wkt || lines.crs_wkt != wkt {
         return Err(refuse("its layers are in different CRSs".into()));
     }

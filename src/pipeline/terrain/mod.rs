@@ -3,6 +3,7 @@
 mod drawn;
 mod ground;
 mod job;
+mod kept;
 mod layers;
 mod shape;
 mod text;
@@ -10,6 +11,7 @@ mod write;
 
 pub(super) use job::tell_crossings;
 pub use job::{TerrainJob, TerrainReport, run};
+pub(super) use kept::read_kept;
 pub use shape::TerrainShape;
 pub(super) use write::TerrainTarget;
 pub use write::{RasterOutput, is_raster};

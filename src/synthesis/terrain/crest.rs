@@ -67,9 +67,20 @@ impl Crest {
     }
 
     fn draw(&mut self, skeleton: &Skeleton) {
-        for (number, ridge) in (0..).zip(&skeleton.ridges) {
-            let [low_m, high_m] = skeleton.ends_m(ridge);
+        // Those that branch off others come after these.
+        let at_peak = |number: &u32| {
+            let peak = &skeleton.peaks[skeleton.ridges[*number as usize].peak as usize];
+            self.lines[*number as usize].last() == Some(&((peak.row * self.cols + peak.col) as u32))
+        };
+        let (whole, branches): (Vec<u32>, Vec<u32>) = (0..self.lines.len() as u32).partition(at_peak);
+        for number in whole.iter().chain(&branches).copied() {
+            let ridge = &skeleton.ridges[number as usize];
+            let [low_m, mut high_m] = skeleton.ends_m(ridge);
             let line = &self.lines[number as usize];
+            let joint_m = line.last().map_or(f32::NAN, |&cell| self.z_m[cell as usize]);
+            if !joint_m.is_nan() && !at_peak(&number) {
+                high_m = f64::from(joint_m);
+            }
             let steps = line.len().saturating_sub(1).max(1) as f64;
             for (step, &cell) in line.iter().enumerate() {
                 let cell = cell as usize;

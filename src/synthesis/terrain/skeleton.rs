@@ -14,7 +14,7 @@ pub struct Spot {
     pub elevation_m: f64,
 }
 
-/// A ridge from a saddle up to a peak.
+/// A ridge from a saddle up to a peak, or to where it meets another ridge of that peak's and becomes one with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RidgeLine {
     /// Position of the saddle.
