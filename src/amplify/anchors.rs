@@ -18,7 +18,7 @@ const BLOCK: usize = 4096;
 
 /// Unit vectors of one knot, axis by axis so that all are compared at once.
 #[derive(Clone, Debug)]
-struct Knot([[f32; BRANCHES]; DIMS]);
+pub(super) struct Knot(pub(super) [[f32; BRANCHES]; DIMS]);
 
 impl Knot {
     /// The branch whose vector points most into the features' direction; the first of equals.
@@ -88,8 +88,8 @@ impl Knot {
 /// The tree of anchors.
 #[derive(Clone, Debug)]
 pub(super) struct Anchors {
-    root: Knot,
-    knots: Vec<Knot>,
+    pub(super) root: Knot,
+    pub(super) knots: Vec<Knot>,
 }
 
 impl Anchors {

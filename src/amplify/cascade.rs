@@ -23,14 +23,14 @@ pub const MOST_FACTOR: usize = 256;
 /// Makes planes finer by a factor, with the detail that exemplars have taught.
 #[derive(Clone, Debug)]
 pub struct Cascade {
-    steps: Vec<Stage>,
+    pub(super) steps: Vec<Stage>,
     /// Steps that were learned at a finer scale than their own.
-    borrowed: usize,
+    pub(super) borrowed: usize,
 }
 
 /// What makes planes finer in one step.
 #[derive(Clone, Debug)]
-enum Stage {
+pub(super) enum Stage {
     /// The best estimate.
     Estimate(Network),
     /// Estimates, and what is laid on them.
@@ -38,7 +38,7 @@ enum Stage {
 }
 
 impl Stage {
-    fn factor(&self) -> usize {
+    pub(super) fn factor(&self) -> usize {
         match self {
             Self::Estimate(network) => network.factor,
             Self::Terrain { step, .. } => step.factor,
@@ -54,7 +54,7 @@ impl Stage {
     }
 
     /// Numbers that were learned.
-    fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         match self {
             Self::Estimate(network) => network.len(),
             Self::Terrain { step, texture } => step.regressors.len() + texture.as_ref().map_or(0, Texture::len),
@@ -71,7 +71,7 @@ pub fn check_factor(factor: usize) -> Result<()> {
 }
 
 /// The factors of the steps that make up a factor, the first of `parts` first.
-fn steps_of(factor: usize, parts: &[usize]) -> Result<Vec<usize>> {
+pub(super) fn steps_of(factor: usize, parts: &[usize]) -> Result<Vec<usize>> {
     let expected = format!("expected 2 to {MOST_FACTOR}, a product of 2, 3, 5 and 7, such as 2, 3, 4, 8, 10");
     let mut left = factor;
     let mut steps = vec![];
@@ -176,6 +176,16 @@ impl Cascade {
     /// How many times finer planes become.
     pub fn factor(&self) -> usize {
         self.steps.iter().map(Stage::factor).product()
+    }
+
+    /// How many times finer each step makes planes, in their order.
+    pub fn factors(&self) -> Vec<usize> {
+        self.steps.iter().map(Stage::factor).collect()
+    }
+
+    /// Whether texture was to be learned, so that it makes one of many terrains.
+    pub fn is_textured(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Stage::Terrain { .. }))
     }
 
     /// Steps for whose own scale the exemplars were too small.

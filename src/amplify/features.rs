@@ -49,7 +49,7 @@ impl<'a> Patches<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct Features {
     /// For each height of a patch its part in each feature.
-    weights: Vec<[f32; DIMS]>,
+    pub(super) weights: Vec<[f32; DIMS]>,
 }
 
 impl Features {

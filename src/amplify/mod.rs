@@ -14,6 +14,8 @@
 //! [`Paper`] is amplification as paper 001 writes it: patches of the exemplar stand in for those of the coarse plane. It is
 //! for comparison, and for its look: it keeps no means.
 //!
+//! What either has learned can be kept as bytes (`keep`) and makes the same terrain when it is read again.
+//!
 //! Methods know no edges and no voids: a plane comes with margins, made by [`extended`] and [`filled`], and everything
 //! has a fixed reach. So terrain of any size can be worked on part by part, and comes out the same to the bit. Only
 //! additions, products, divisions and roots decide, in one order: it is the same on every machine, too.
@@ -26,6 +28,7 @@ mod cascade;
 mod extend;
 mod features;
 mod fill;
+pub(crate) mod keep;
 mod learn;
 mod level;
 mod network;

@@ -6,7 +6,7 @@ use crate::linalg::{Gram, solve};
 /// Cells at each side of a plane of which nothing is told.
 pub(super) const STRENGTH_MARGIN: usize = 4;
 /// What is measured around a cell: its slope, and its curvature at two scales.
-const MEASURES: usize = 3;
+pub(super) const MEASURES: usize = 3;
 /// Parts of the mean strength that one cell's is taken to be uncertain by.
 const UNCERTAIN: f64 = 0.1;
 
@@ -14,7 +14,7 @@ const UNCERTAIN: f64 = 0.1;
 /// curvature say more together than either: cliffs are steep and bent, valley floors neither.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Strength {
-    weights: [f64; MEASURES],
+    pub(super) weights: [f64; MEASURES],
 }
 
 /// Sums of a regression of texture on what is measured.

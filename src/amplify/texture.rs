@@ -18,7 +18,7 @@ const STRIDE: usize = 3;
 pub(super) const TEXTURE_MARGIN: usize = RADIUS + HALF;
 /// Samples that are kept of each kind of patch, at most, and values of all of them.
 const MOST_SAMPLES: usize = 128;
-const MOST_VALUES: usize = 1 << 22;
+pub(super) const MOST_VALUES: usize = 1 << 22;
 /// Kinds with fewer samples of their own take those of all.
 const FEW_SAMPLES: usize = 8;
 /// Places that samples are chosen from, at most.
@@ -31,11 +31,11 @@ const LEARNING: u32 = 0x7e47;
 /// What exemplars have beyond the estimates of a step, in samples of strength 1.
 #[derive(Clone, Debug)]
 pub(super) struct Texture {
-    strength: Strength,
+    pub(super) strength: Strength,
     /// For each kind of patch its samples, by number.
-    kinds: Vec<Vec<u32>>,
+    pub(super) kinds: Vec<Vec<u32>>,
     /// Samples in standing position, one behind the other, faded towards their edges.
-    samples: Vec<f32>,
+    pub(super) samples: Vec<f32>,
 }
 
 /// Where a plane lies in its raster, and which of many textures it gets.
@@ -54,7 +54,7 @@ struct Example {
     known: Vec<bool>,
 }
 
-fn sample_side(factor: usize) -> usize {
+pub(super) fn sample_side(factor: usize) -> usize {
     (2 * HALF + 1) * factor
 }
 

@@ -4,12 +4,12 @@ use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, MemoryOptions, OutputOptions, creation_option, unit_of};
 use super::sparse::StoredInput;
+use super::teaching::{Mode, PaperOptions, USUAL_FACTOR, USUAL_SEED};
 use super::wrong_value;
-use crate::amplify::PatchModel;
 use crate::error::{Error, Result};
-use crate::pipeline::amplify::{self, AmplifyJob, AmplifyReport, Figures, run};
+use crate::pipeline::amplify::{AmplifyJob, AmplifyReport, Figures, Said, Source, Teaching, run};
 use crate::units::parse_length_m;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -23,14 +23,17 @@ use std::path::PathBuf;
 /// exactly as high as those around them, stays level in it. Mode paper puts patches of the exemplars in place of the
 /// input's that are most like them, as Guérin et al. (2016) have it; it keeps the look of the exemplars, but not the
 /// means. With --sketch terrain is made of a drawn map. Exemplars may have any unit, CRS and cells; those with cells of
-/// about the size that is to be made teach most.
+/// about the size that is to be made teach most. Whoever makes many inputs finer learns once, with learn --multires, and
+/// gives --learned in place of --exemplar: the result is the same.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  \
                         orograph amplify fixtures/jacksboro.tif fine.tif --exemplar fixtures/jacksboro.tif --factor 2\n  \
                         orograph amplify fixtures/void.tif fine.oro --exemplar fixtures/jacksboro.tif --factor 3\n  \
                         orograph amplify fixtures/void.tif new.tif --exemplar fixtures/jacksboro.tif --mode realistic\n  \
                         orograph amplify fixtures/void.tif x.tif --exemplar fixtures/jacksboro.tif --report x.html\n  \
-                        orograph amplify fixtures/void.tif old.tif --exemplar fixtures/jacksboro.tif --mode paper")]
+                        orograph amplify fixtures/void.tif old.tif --exemplar fixtures/jacksboro.tif --mode paper\n  \
+                        orograph learn --multires --mode paper fixtures/jacksboro.tif hills.learned\n  \
+                        orograph amplify fixtures/void.tif hills.tif --learned hills.learned")]
 pub(super) struct Amplify {
     /// Elevation model: any raster that GDAL reads, or an .oro file.
     #[arg(value_name = "IN")]
@@ -39,11 +42,15 @@ pub(super) struct Amplify {
     #[arg(value_name = "OUT")]
     output: PathBuf,
     /// Elevation models to learn from.
-    #[arg(long = "exemplar", value_name = "DEM", required = true, num_args = 1..)]
+    #[arg(long = "exemplar", value_name = "DEM", required_unless_present = "learned", num_args = 1..)]
     exemplars: Vec<PathBuf>,
-    /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7 unless in mode paper.
-    #[arg(long, value_name = "N", default_value_t = 4)]
-    factor: usize,
+    /// What was learned before, by learn --multires, in place of exemplars. It has the factor, the mode and all that goes
+    /// with them.
+    #[arg(long, value_name = "FILE", conflicts_with = "exemplars")]
+    learned: Option<PathBuf>,
+    /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7 unless in mode paper [default: 4].
+    #[arg(long, value_name = "N")]
+    factor: Option<usize>,
     /// The input is a hand-drawn map: greys of 8 or 16 bits, which stand for --heights. Where it does not say where it
     /// lies, --bbox and --crs do.
     #[arg(long, requires = "heights")]
@@ -51,13 +58,13 @@ pub(super) struct Amplify {
     /// What black and white stand for in a sketch, such as 200m,3000m.
     #[arg(long, value_name = "LOW,HIGH", requires = "sketch", allow_hyphen_values = true)]
     heights: Option<String>,
-    /// What the result is to be.
-    #[arg(long, value_enum, default_value_t = Mode::Accurate)]
-    mode: Mode,
+    /// What the result is to be [default: accurate].
+    #[arg(long, value_enum)]
+    mode: Option<Mode>,
     /// Seed of what is drawn: in mode accurate the parts of large exemplars that are learned from, in mode realistic the
-    /// terrain, in mode paper the atoms that learning begins with.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
+    /// terrain, in mode paper the atoms that learning begins with [default: 1].
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
     /// How many terrains to make in mode realistic, with the seed and those that follow it. Several are written to
     /// OUT-1.tif, OUT-2.tif and so on where OUT.tif is the output.
     #[arg(long, value_name = "K", default_value_t = 1)]
@@ -84,75 +91,6 @@ pub(super) struct Amplify {
     pub(super) common: CommonOptions,
 }
 
-/// Words for [`amplify::Mode`].
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Mode {
-    /// The best estimate of the true heights.
-    Accurate,
-    /// One of the terrains that there may be, as rough as true ones.
-    Realistic,
-    /// Patches of the exemplars in place of the input's.
-    Paper,
-}
-
-/// What mode paper alone can be told.
-#[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Mode paper")]
-struct PaperOptions {
-    /// Side of a patch in cells of the input, 3 to 64: twice the radius R. The larger, the more of the exemplars' shape
-    /// and the less of the input's [default: 8].
-    #[arg(long, value_name = "CELLS")]
-    patch: Option<usize>,
-    /// From one patch to the next in cells of the input; half a side unless given.
-    #[arg(long, value_name = "CELLS")]
-    step: Option<usize>,
-    /// Most atoms of a patch, 1 to 64 [default: 1].
-    #[arg(long, value_name = "S")]
-    sparsity: Option<usize>,
-    /// Turn no patch of the exemplars upside down.
-    #[arg(long)]
-    unsigned: bool,
-    /// Learn so many patches of the exemplars and take these alone; all unless given.
-    #[arg(long, value_name = "N")]
-    atoms: Option<usize>,
-    /// Take at most so many patches of the exemplars for each step, 1 to 1048576; 120000 unless given, or 8192 with
-    /// --atoms.
-    #[arg(long, value_name = "N")]
-    patches: Option<usize>,
-    /// Make the terrain finer by so much at a time; all at once unless given.
-    #[arg(long, value_name = "N")]
-    by: Option<usize>,
-}
-
-impl PaperOptions {
-    /// What the options mean; refused where another mode is meant.
-    fn meant(&self, mode: Mode) -> Result<PatchModel> {
-        let said = [
-            ("--patch", self.patch.is_some()),
-            ("--step", self.step.is_some()),
-            ("--sparsity", self.sparsity.is_some()),
-            ("--unsigned", self.unsigned),
-            ("--atoms", self.atoms.is_some()),
-            ("--patches", self.patches.is_some()),
-            ("--by", self.by.is_some()),
-        ];
-        if let Some((name, _)) = said.iter().find(|(_, said)| *said && !matches!(mode, Mode::Paper)) {
-            return Err(Error::usage(format!("{name}: it is for --mode paper only")));
-        }
-        let usual = PatchModel::default();
-        Ok(PatchModel {
-            side: self.patch.unwrap_or(usual.side),
-            step: self.step,
-            sparsity: self.sparsity.unwrap_or(usual.sparsity),
-            signed: !self.unsigned,
-            atoms: self.atoms,
-            patches: self.patches,
-            by: self.by,
-            seed: usual.seed,
-        })
-    }
-}
-
 impl Amplify {
     fn meant(&self) -> Result<AmplifyJob> {
         Ok(AmplifyJob {
@@ -160,15 +98,8 @@ impl Amplify {
             raster: self.raster.meant()?,
             unit: unit_of(self.raster.vertical_unit.as_deref())?,
             sketch_m: self.sketch_m()?,
-            exemplars: self.exemplars.clone(),
-            factor: self.factor,
-            mode: match self.mode {
-                Mode::Accurate => amplify::Mode::Accurate,
-                Mode::Realistic => amplify::Mode::Realistic,
-                Mode::Paper => amplify::Mode::Paper,
-            },
-            model: self.paper.meant(self.mode)?,
-            seed: self.seed,
+            source: self.source()?,
+            seed: self.seed.unwrap_or(USUAL_SEED),
             count: self.count,
             output: self.output.clone(),
             page: self.report.clone(),
@@ -177,6 +108,32 @@ impl Amplify {
             options: self.options.iter().map(creation_option).collect::<Result<_>>()?,
             memory: self.memory.bytes()?,
         })
+    }
+
+    /// Where what is learned comes from.
+    fn source(&self) -> Result<Source> {
+        let Some(path) = &self.learned else {
+            let mode = self.mode.unwrap_or(Mode::Accurate);
+            self.paper.only_in(mode)?;
+            return Ok(Source::Teaching(Teaching {
+                exemplars: self.exemplars.clone(),
+                factor: self.factor.unwrap_or(USUAL_FACTOR),
+                mode: mode.meant(),
+                model: self.paper.meant(),
+                seed: self.seed.unwrap_or(USUAL_SEED),
+            }));
+        };
+        let number = |option, value: Option<String>| value.map(|value| Said { option, value: Some(value) });
+        let mut said: Vec<Said> = [
+            number("--mode", self.mode.map(|mode| mode.meant().name().to_string())),
+            number("--factor", self.factor.map(|factor| factor.to_string())),
+            number("--seed", self.seed.map(|seed| seed.to_string())),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        said.extend(self.paper.said());
+        Ok(Source::Learned { path: path.clone(), said })
     }
 
     /// The heights of a sketch.
@@ -197,7 +154,7 @@ impl Amplify {
 
     pub(super) fn run(&self, reporter: &mut Reporter) -> Result<Value> {
         reporter.input(&self.input);
-        self.exemplars.iter().for_each(|path| reporter.input(path));
+        self.exemplars.iter().chain(&self.learned).for_each(|path| reporter.input(path));
         let job = self.meant()?;
         let report = watched(reporter, |watch, reporter| run(&job, watch, &mut |text| reporter.warn(text)))?;
         reporter.outputs(&report.outputs);

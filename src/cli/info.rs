@@ -4,9 +4,11 @@ use super::container_info;
 use super::progress::watched;
 use super::report::Reporter;
 use super::shared::{CommonOptions, InputOptions};
+use super::teaching::{learned_json, learned_text};
 use crate::crs::{Crs, CrsKind};
 use crate::error::{Error, Result};
 use crate::io::raster::{Dem, RasterSource};
+use crate::pipeline::amplify::{describe as describe_learned, is_learned};
 use crate::pipeline::archive::is_container;
 use clap::Args;
 use serde_json::{Value, json};
@@ -14,13 +16,14 @@ use std::path::PathBuf;
 
 /// Tell what a raster is: georeference, size, nodata, units, statistics.
 ///
-/// Of an .oro file: georeference, size, bands and how exact they are, bits a cell, levels, tiles and sections.
+/// Of an .oro file: georeference, size, bands and how exact they are, bits a cell, levels, tiles and sections. Of a
+/// .learned file: mode, factor, cells, steps and exemplars.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "Examples:\n  orograph info fixtures/jacksboro.tif\n  \
                         orograph encode fixtures/jacksboro.tif jacksboro.oro\n  \
                         orograph info jacksboro.oro")]
 pub(super) struct Info {
-    /// Elevation model: any raster that GDAL reads, or an .oro file.
+    /// Elevation model: any raster that GDAL reads, or an .oro file; or a .learned file.
     #[arg(value_name = "FILE")]
     input: PathBuf,
     /// Do not read the cells: no statistics.
@@ -41,6 +44,20 @@ impl Info {
             }
             let (result, text) = container_info::describe(&self.input)?;
             reporter.say(&text)?;
+            return Ok(result);
+        }
+        if is_learned(&self.input) {
+            if let Some(option) = self.raster.words().first() {
+                return Err(Error::usage(format!(
+                    "{option}: it is for rasters, and this is what learn --multires keeps"
+                )));
+            }
+            let summary = watched(reporter, |watch, _| describe_learned(&self.input, None, watch))?;
+            reporter.say(&format!("what amplify has learned\n{}", learned_text(&summary, None)))?;
+            let mut result = json!({ "format": "learned" });
+            if let (Value::Object(all), Value::Object(own)) = (&mut result, learned_json(&summary)) {
+                all.extend(own);
+            }
             return Ok(result);
         }
         let source = RasterSource::open(&self.input, &self.raster.meant()?)?;

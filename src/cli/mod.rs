@@ -20,6 +20,7 @@ mod stats;
 mod stats_text;
 mod synthesize;
 mod tags;
+mod teaching;
 mod terrain;
 mod terrain_shape;
 mod tin;

@@ -57,6 +57,12 @@ impl PartOptions {
     pub(super) fn meant(&self) -> Result<Part> {
         part_of(self.window.as_deref(), self.bbox.as_deref())
     }
+
+    /// The first of the options that was given.
+    pub(super) fn first_said(&self) -> Option<&'static str> {
+        let said = [("--window", self.window.is_some()), ("--bbox", self.bbox.is_some())];
+        said.iter().find(|(_, said)| *said).map(|(option, _)| *option)
+    }
 }
 
 /// Options of verbs that read a raster.
@@ -167,6 +173,14 @@ pub(super) fn named_oro(output: &Path) -> Result<()> {
     match output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("oro")) {
         true => Ok(()),
         false => Err(Error::usage("the output is an .oro file: name it so").at_path(output)),
+    }
+}
+
+/// Looks whether what was learned for `amplify` is named so.
+pub(super) fn named_learned(output: &Path) -> Result<()> {
+    match output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("learned")) {
+        true => Ok(()),
+        false => Err(Error::usage("with --multires the output is a .learned file: name it so").at_path(output)),
     }
 }
 

@@ -37,6 +37,17 @@ impl StoredInput {
         let (window, bbox) = self.part.meant()?;
         Ok(StoredOptions { bands: self.bands.clone(), nodata: self.nodata, crs: self.crs.clone(), window, bbox })
     }
+
+    /// The first of the options that was given.
+    pub(super) fn first_said(&self) -> Option<&'static str> {
+        let said = [
+            ("--band", !self.bands.is_empty()),
+            ("--nodata", self.nodata.is_some()),
+            ("--crs", self.crs.is_some()),
+            ("--vertical-unit", self.vertical_unit.is_some()),
+        ];
+        said.iter().find(|(_, said)| *said).map(|(option, _)| *option).or_else(|| self.part.first_said())
+    }
 }
 
 /// How patches are described.
@@ -45,22 +56,22 @@ impl StoredInput {
 pub(super) struct PatchOptions {
     /// Atoms to learn [default: 128].
     #[arg(long, value_name = "N")]
-    atoms: Option<usize>,
+    pub(super) atoms: Option<usize>,
     /// Most atoms of a patch, 1 to 64 [default: 2].
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u8).range(1..=64))]
-    sparsity: Option<u8>,
+    pub(super) sparsity: Option<u8>,
     /// Side of a patch in cells [default: 8].
     #[arg(long, value_name = "CELLS")]
-    patch: Option<usize>,
+    pub(super) patch: Option<usize>,
     /// From one patch to the next in cells; half a side unless given.
     #[arg(long, value_name = "CELLS")]
-    step: Option<usize>,
+    pub(super) step: Option<usize>,
     /// Turns of learning [default: 10].
     #[arg(long, value_name = "N")]
-    iterations: Option<usize>,
+    pub(super) iterations: Option<usize>,
     /// Seed that the first atoms are drawn by [default: 1].
     #[arg(long, value_name = "N")]
-    seed: Option<u64>,
+    pub(super) seed: Option<u64>,
 }
 
 impl PatchOptions {

@@ -15,6 +15,11 @@ const QUOTIENT: u8 = 9;
 /// Numerators and denominators are below this, so that doubles hold them exactly.
 const QUOTIENT_LIMIT: u64 = 1 << 53;
 
+/// The CRC-32C (Castagnoli) of bytes that lie in parts.
+pub fn checksum(parts: &[&[u8]]) -> u32 {
+    parts.iter().fold(0, |sum, part| crc32c::crc32c_append(sum, part))
+}
+
 /// Appends a varint.
 pub(super) fn put_varint(out: &mut Vec<u8>, mut value: u64) {
     while value >= 0x80 {

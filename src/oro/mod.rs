@@ -63,6 +63,7 @@ mod tiling;
 mod window;
 mod writer;
 
+pub use bytes::checksum;
 pub use check::{CheckReport, Fault, FaultPlace, Look};
 pub use chunk::{Chunk, ChunkBytes, encode_chunk};
 pub use description::{

@@ -11,6 +11,7 @@ mod classify;
 mod examples;
 mod failures;
 mod interrupt;
+mod learned;
 #[path = "../mesh_files/mod.rs"]
 mod mesh_files;
 mod outputs;

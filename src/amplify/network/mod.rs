@@ -39,7 +39,7 @@ pub(super) const NETWORK_FACTORS: [usize; 5] = [7, 5, 4, 3, 2];
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Network {
     pub(super) factor: usize,
-    is_square: bool,
+    pub(super) is_square: bool,
     layers: Vec<Convolution>,
 }
 
@@ -48,6 +48,36 @@ impl Network {
     fn new(factor: usize, is_square: bool) -> Self {
         let depths: Vec<usize> = [RISES].into_iter().chain([CHANNELS; LAYERS - 1]).chain([factor * factor]).collect();
         Self { factor, is_square, layers: depths.windows(2).map(|pair| Convolution::new(pair[0], pair[1])).collect() }
+    }
+
+    /// With weights as [`Network::tables`] gives them; nothing where there are others than it would give.
+    pub(super) fn of_tables(factor: usize, is_square: bool, tables: &[Vec<f32>]) -> Option<Self> {
+        let mut network = Self::new(factor, is_square);
+        for (layer, table) in network.layers.iter_mut().zip(tables) {
+            let (outputs, depth) = (layer.outputs, layer.depth());
+            if table.len() != SIDE * SIDE * layer.inputs * outputs {
+                return None;
+            }
+            for (parts, own) in layer.weights.chunks_exact_mut(depth).zip(table.chunks_exact(outputs)) {
+                parts[..outputs].copy_from_slice(own);
+            }
+        }
+        (tables.len() == LAYERS).then_some(network)
+    }
+
+    /// Layer by layer the numbers that come out of it, and for each of nine cells and each number that goes in its part in
+    /// these.
+    pub(super) fn tables(&self) -> impl Iterator<Item = (usize, Vec<f32>)> {
+        self.layers.iter().map(|layer| {
+            let parts = layer.weights.chunks_exact(layer.depth()).flat_map(|parts| &parts[..layer.outputs]);
+            (layer.outputs, parts.copied().collect())
+        })
+    }
+
+    /// Rows and columns of each table for a factor.
+    pub(super) fn table_sizes(factor: usize) -> Vec<[usize; 2]> {
+        let layers = Self::new(factor, true).layers;
+        layers.iter().map(|layer| [SIDE * SIDE * layer.inputs, layer.outputs]).collect()
     }
 
     /// Numbers that were learned.

@@ -40,6 +40,10 @@ impl Blending {
         self.pairs.factor()
     }
 
+    pub(super) fn pairs(&self) -> &Pairs {
+        &self.pairs
+    }
+
     pub(super) fn atoms(&self) -> usize {
         self.pairs.len()
     }

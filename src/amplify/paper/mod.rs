@@ -12,17 +12,29 @@ mod pairs;
 mod tests;
 
 pub use options::PatchModel;
+pub(super) use pairs::{Source, most_patches};
 
 use super::plane::Plane;
 use crate::error::Result;
 use crate::watch::Watch;
 use blend::Blending;
-use pairs::{Pairs, Source};
+use pairs::Pairs;
 
 /// Makes planes finer with the patches of exemplars.
 #[derive(Clone, Debug)]
 pub struct Paper {
     steps: Vec<Blending>,
+    model: PatchModel,
+}
+
+/// What [`Paper`] is made of, and can be made of again.
+pub(super) struct Kept<'a> {
+    pub(super) model: &'a PatchModel,
+    /// Exemplars in the cells that are made.
+    pub(super) sources: &'a [Source],
+    /// Numbers of the patches that learning chose, for each step from the last to the first; nothing where it takes
+    /// all.
+    pub(super) chosen: Vec<Option<&'a [u32]>>,
 }
 
 impl Paper {
@@ -33,8 +45,24 @@ impl Paper {
     /// As [`PatchModel::steps`]; exemplars in which no patch has relief and no voids, or none is as large as a patch; a
     /// cancelled job.
     pub fn learn(exemplars: Vec<Plane>, factor: usize, model: &PatchModel, watch: &Watch) -> Result<Self> {
+        let sources = exemplars.into_iter().map(|plane| Source::of(&plane)).collect();
+        Self::of(sources, factor, model, vec![], watch)
+    }
+
+    /// As [`Paper::learn`], of exemplars as they are kept; with what learning chose before where there is any, for each
+    /// step from the last to the first.
+    ///
+    /// # Errors
+    /// As [`Paper::learn`], and when what was chosen is not there.
+    pub(super) fn of(
+        mut sources: Vec<Source>,
+        factor: usize,
+        model: &PatchModel,
+        chosen: Vec<Vec<u32>>,
+        watch: &Watch,
+    ) -> Result<Self> {
         let factors = model.steps(factor)?;
-        let mut sources: Vec<Source> = exemplars.into_iter().map(|plane| Source::of(&plane)).collect();
+        let mut chosen = chosen.into_iter();
         // The finest first, as each scale is made of the one before it.
         let mut steps = vec![];
         for (number, &factor) in factors.iter().rev().enumerate() {
@@ -43,16 +71,36 @@ impl Paper {
                 false => vec![],
             };
             watch.check()?;
-            steps.push(Blending::new(Pairs::new(sources, factor, model, watch)?, model)?);
+            steps.push(Blending::new(Pairs::new(sources, factor, model, chosen.next(), watch)?, model)?);
             sources = coarser;
         }
         steps.reverse();
-        Ok(Self { steps })
+        Ok(Self { steps, model: model.clone() })
+    }
+
+    /// What it is made of.
+    pub(super) fn kept(&self) -> Kept<'_> {
+        let pairs = || self.steps.iter().rev().map(Blending::pairs);
+        Kept {
+            model: &self.model,
+            sources: pairs().next().map_or(&[], Pairs::sources),
+            chosen: pairs().map(Pairs::chosen).collect(),
+        }
+    }
+
+    /// How terrain is described by patches.
+    pub fn model(&self) -> &PatchModel {
+        &self.model
     }
 
     /// How many times finer planes become.
     pub fn factor(&self) -> usize {
         self.steps.iter().map(Blending::factor).product()
+    }
+
+    /// How many times finer each step makes planes, in their order.
+    pub fn factors(&self) -> Vec<usize> {
+        self.steps.iter().map(Blending::factor).collect()
     }
 
     /// Pairs of a coarse and a fine atom, for each step.

@@ -81,7 +81,7 @@ impl PatchModel {
     ///
     /// # Errors
     /// When discs would leave gaps.
-    pub(super) fn spacing(&self) -> Result<usize> {
+    pub fn spacing(&self) -> Result<usize> {
         let one = PatchLayout::new(self.side, self.side, PatchShape::new(self.side)?, self.step);
         Ok(one.map_err(|error| Error::usage(format!("--step: {}", error.message())))?.step())
     }

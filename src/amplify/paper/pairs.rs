@@ -23,10 +23,10 @@ const FLAT_M: f64 = 1e-4;
 
 /// An exemplar: heights in metres in the cells that are to be made, NaN for voids.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
-    rows: usize,
-    cols: usize,
-    heights_m: Vec<f32>,
+pub(in super::super) struct Source {
+    pub(in super::super) rows: usize,
+    pub(in super::super) cols: usize,
+    pub(in super::super) heights_m: Vec<f32>,
 }
 
 /// Where an atom lies, and how its patch is shifted and scaled.
@@ -47,6 +47,8 @@ pub(super) struct Pairs {
     factor: usize,
     shape: PatchShape,
     atoms: Vec<Atom>,
+    /// Numbers among all patches of those that learning chose, in its order; nothing where all are taken.
+    chosen: Option<Vec<u32>>,
     low: Pursuit,
 }
 
@@ -140,11 +142,18 @@ impl Source {
 }
 
 impl Pairs {
-    /// All patches of exemplars, or those that learning chooses.
+    /// All patches of exemplars, or those that learning chooses, or once more those that it `chose`.
     ///
     /// # Errors
-    /// When no exemplar is as large as a patch, all are flat or void, or the job is cancelled.
-    pub(super) fn new(sources: Vec<Source>, factor: usize, model: &PatchModel, watch: &Watch) -> Result<Self> {
+    /// When no exemplar is as large as a patch, all are flat or void, the job is cancelled, or what was chosen is not
+    /// there.
+    pub(super) fn new(
+        sources: Vec<Source>,
+        factor: usize,
+        model: &PatchModel,
+        chose: Option<Vec<u32>>,
+        watch: &Watch,
+    ) -> Result<Self> {
         let shape = PatchShape::new(model.side)?;
         let stride = stride(&sources, model.side * factor, model)?;
         let (mut values, mut atoms) = (vec![], vec![]);
@@ -164,6 +173,7 @@ impl Pairs {
         };
         let names: Vec<String> = (1..=sources.len()).map(|number| format!("exemplar {number}")).collect();
         let origins = atoms.iter().map(origin).collect();
+        let mut chosen = None;
         let low = match model.atoms {
             None => {
                 for (values, atom) in values.chunks_exact_mut(shape.values()).zip(&atoms) {
@@ -176,25 +186,50 @@ impl Pairs {
                     Learning { iterations: ITERATIONS, sparsity: model.sparsity, choice: Choice::SmallestResidual };
                 let samples = Samples::from_values(model.side, values, origins, names)?;
                 let all = samples.clone().into_dictionary();
-                let low = learn_constrained(&samples, &all, (count, model.seed), &how, watch)?.dictionary;
-                let place = |k: usize| match low.origin(k) {
-                    Origin::Patch { source, corner, .. } => (*source as usize, [corner.0 as usize, corner.1 as usize]),
-                    _ => unreachable!("candidates are patches"),
+                let found = match chose {
+                    Some(chose) => chose,
+                    None => {
+                        let low = learn_constrained(&samples, &all, (count, model.seed), &how, watch)?.dictionary;
+                        let place = |k: usize| match low.origin(k) {
+                            Origin::Patch { source, corner, .. } => {
+                                (*source as usize, [corner.0 as usize, corner.1 as usize])
+                            }
+                            _ => unreachable!("candidates are patches"),
+                        };
+                        // They are in this order already.
+                        let found = |k| atoms.binary_search_by_key(&place(k), |atom| (atom.source, atom.corner)).ok();
+                        (0..low.len()).filter_map(found).map(|at| at as u32).collect()
+                    }
                 };
-                // They are in this order already.
-                let found = |k| atoms.binary_search_by_key(&place(k), |atom| (atom.source, atom.corner)).ok();
-                atoms = (0..low.len()).filter_map(found).map(|at| atoms[at].clone()).collect();
+                if found.is_empty() || found.iter().any(|&at| at as usize >= atoms.len()) {
+                    let message = format!("an atom is none of the {} patches of the exemplars", atoms.len());
+                    return Err(Error::new(ErrorKind::Corrupt, message));
+                }
+                let own = |at: &u32| all.atom(*at as usize).to_vec();
+                let values = found.iter().flat_map(own).collect();
+                let origins = found.iter().map(|&at| all.origin(at as usize).clone()).collect();
+                let low = Dictionary::from_values(model.side, values, origins, all.sources().to_vec())?;
+                atoms = found.iter().map(|&at| atoms[at as usize].clone()).collect();
+                chosen = Some(found);
                 low
             }
         };
         let signs = if model.signed { Signs::Both } else { Signs::Positive };
         let pursuit = Pursuit::new(&low, model.sparsity, Choice::SmallestResidual)?.with_signs(signs)?;
         debug_assert_eq!(low.len(), atoms.len(), "an atom each");
-        Ok(Self { sources, factor, shape, atoms, low: pursuit })
+        Ok(Self { sources, factor, shape, atoms, chosen, low: pursuit })
     }
 
     pub(super) fn factor(&self) -> usize {
         self.factor
+    }
+
+    pub(super) fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    pub(super) fn chosen(&self) -> Option<&[u32]> {
+        self.chosen.as_deref()
     }
 
     pub(super) fn shape(&self) -> &PatchShape {
@@ -229,6 +264,13 @@ impl Pairs {
     }
 }
 
+/// Most patches of so many exemplars.
+pub(in super::super) fn most_patches(model: &PatchModel, sources: usize) -> usize {
+    let usual = if model.atoms.is_some() { MOST_EXAMPLES } else { MOST_PATCHES };
+    // Exemplars are many only in theory; each has a patch at any stride.
+    model.patches.unwrap_or(usual).max(sources)
+}
+
 /// From one patch of the exemplars to the next, in their cells: the least with which there are not too many.
 fn stride(sources: &[Source], side: usize, model: &PatchModel) -> Result<usize> {
     let count = |stride: usize| -> usize {
@@ -244,8 +286,6 @@ fn stride(sources: &[Source], side: usize, model: &PatchModel) -> Result<usize> 
         );
         return Err(Error::new(ErrorKind::Input, message));
     }
-    let usual = if model.atoms.is_some() { MOST_EXAMPLES } else { MOST_PATCHES };
-    // Exemplars are many only in theory; each has a patch at any stride.
-    let most = model.patches.unwrap_or(usual).max(sources.len());
+    let most = most_patches(model, sources.len());
     Ok((1..).find(|&stride| count(stride) <= most).unwrap_or(1))
 }

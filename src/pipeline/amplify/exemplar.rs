@@ -17,12 +17,42 @@ pub(super) struct Wanted {
     pub(super) input: CellSize,
     /// How many times finer they become.
     pub(super) factor: usize,
+    /// The cells that are made of them.
+    pub(super) made: CellSize,
     /// The input's median slope.
     pub(super) slope: Option<f64>,
     /// Bytes that an exemplar's cell takes while it is learned from.
     pub(super) bytes_per_cell: u64,
     /// Bytes of memory that may be used; what is free unless given.
     pub(super) memory: Option<u64>,
+}
+
+/// What is known of an exemplar once it was learned from.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Record {
+    /// The file's name without its folder.
+    pub(super) name: String,
+    /// Rows and columns.
+    pub(super) size: [usize; 2],
+    /// Its own cells.
+    pub(super) cell: CellSize,
+    /// Its median slope in cells of the input's size.
+    pub(super) slope: Option<f64>,
+}
+
+/// The size of an exemplar's cells.
+///
+/// # Errors
+/// When it cannot be opened.
+pub(super) fn cell_of(path: &Path, memory: Option<u64>, watch: &Watch) -> Result<CellSize> {
+    let source = open_dem(path, &RasterOptions::default(), memory, watch)?;
+    let [_, _, cols, rows] = source.window;
+    Ok(CellSize::of(&source.transform, source.crs.as_ref(), rows, cols))
+}
+
+/// A file's name without its folder.
+pub(super) fn name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Reads an exemplar and gives it the cells that are wanted, in metres. Where these are not square there are two: as it
@@ -35,7 +65,12 @@ pub(super) struct Wanted {
 ///
 /// # Errors
 /// When it cannot be read or has no data.
-pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Vec<Plane>> {
+pub(super) fn read(
+    path: &Path,
+    wanted: &Wanted,
+    watch: &Watch,
+    warn: &mut dyn FnMut(&str),
+) -> Result<(Vec<Plane>, Record)> {
     let source = open_dem(path, &RasterOptions::default(), wanted.memory, watch)?;
     let needed = source.cells().saturating_mul(wanted.bytes_per_cell) + source.unpacked_bytes();
     memory::admit_or(
@@ -53,7 +88,7 @@ pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn F
     let own = CellSize::of(&dem.transform, dem.crs.as_ref(), rows, cols);
     let exemplar = Plane::new(rows, cols, dem.heights_m());
     drop(dem);
-    let made = wanted.input.divided(wanted.factor);
+    let made = wanted.made;
     let excess = own.excess(made);
     let fit = |exemplar: Plane, own: CellSize| {
         let larger = own.excess(made).max(1.0);
@@ -75,5 +110,6 @@ pub(super) fn read(path: &Path, wanted: &Wanted, watch: &Watch, warn: &mut dyn F
     if let Some(text) = remark(wanted.slope, slope) {
         say(&text);
     }
-    Ok([Some(upright), turned].into_iter().flatten().collect())
+    let record = Record { name: name(path), size: [rows, cols], cell: own, slope };
+    Ok(([Some(upright), turned].into_iter().flatten().collect(), record))
 }

@@ -1,19 +1,21 @@
 //! What is to be done, what was done, and doing it.
 
-use super::exemplar::{self, Wanted};
+use super::exemplar::name;
 use super::glance::{Figures, Glance};
+use super::learned::{Learned, Said};
 use super::likeness::median_slope;
-use super::method::Method;
+use super::mode::Mode;
 use super::sink::Output;
 use super::strips::Making;
+use super::teach::{Aim, Teaching};
 use super::terrain::Terrain;
-use crate::amplify::{Cascade, Paper, PatchModel, Plane, check_factor};
+use crate::amplify::Plane;
 use crate::error::{Error, ErrorKind, Result};
 use crate::io::output::Output as PageOutput;
 use crate::io::raster::stored::StoredOptions;
 use crate::units::LengthUnit;
 use crate::watch::Watch;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Rows and columns in the middle of the input of which slopes are compared.
@@ -21,27 +23,18 @@ const MIDDLE: usize = 1024;
 /// Terrains that are made in one run, at most: all files are open until the last is done.
 const MOST_OUTPUTS: usize = 100;
 
-/// What a finer terrain is to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Mode {
-    /// The best estimate of the true heights.
-    Accurate,
-    /// One of the terrains that there may be, as rough as true ones; another for each seed.
-    Realistic,
-    /// What paper 001 makes of it (section 5.3): patches of the exemplars in place of the input's. It keeps no means.
-    Paper,
-}
-
-impl Mode {
-    /// Bytes that an exemplar's cell takes while it is learned from: at all scales, with what steps make of it; or as it
-    /// is, with sums.
-    fn bytes_per_exemplar_cell(self) -> u64 {
-        match self {
-            Self::Accurate | Self::Realistic => 96,
-            Self::Paper => 32,
-        }
-    }
+/// Where what is learned comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// It is learned from exemplars.
+    Teaching(Teaching),
+    /// It was learned before, and is kept in a file.
+    Learned {
+        /// The file.
+        path: PathBuf,
+        /// What was said beside it: refused where it is not what the file was learned with.
+        said: Vec<Said>,
+    },
 }
 
 /// What to do.
@@ -55,16 +48,9 @@ pub struct AmplifyJob {
     pub unit: Option<LengthUnit>,
     /// The elevations in metres of black and of white, where the input is a hand-drawn map of greys.
     pub sketch_m: Option<[f64; 2]>,
-    /// DEMs to learn from.
-    pub exemplars: Vec<PathBuf>,
-    /// How many times finer the cells become.
-    pub factor: usize,
-    /// What the result is to be.
-    pub mode: Mode,
-    /// How terrain is described by patches in [`Mode::Paper`]; its seed is not looked at.
-    pub model: PatchModel,
-    /// Seed of what is drawn: in [`Mode::Accurate`] the patches of large exemplars that are learned from, in
-    /// [`Mode::Realistic`] the terrain, in [`Mode::Paper`] the atoms that learning begins with.
+    /// What is learned, or was.
+    pub source: Source,
+    /// Seed of the terrain that is drawn in [`Mode::Realistic`].
     pub seed: u64,
     /// How many terrains to make, with this seed and those that follow it; 1 unless in [`Mode::Realistic`].
     pub count: usize,
@@ -113,23 +99,31 @@ pub struct AmplifyReport {
 /// Anything that is wrong with the input, the exemplars, the output or the options; then no file has changed.
 pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<AmplifyReport> {
     let begun = Instant::now();
-    match job.mode {
-        Mode::Accurate | Mode::Realistic => check_factor(job.factor)?,
-        Mode::Paper => job.model.steps(job.factor).map(drop)?,
-    }
-    let paths = paths(job)?;
+    let (kept, factor, mode) = match &job.source {
+        Source::Teaching(teaching) => {
+            teaching.check()?;
+            (None, teaching.factor, teaching.mode)
+        }
+        Source::Learned { path, said } => {
+            let (learned, _) = Learned::read(path, job.memory, watch)?;
+            learned.agree(path, said)?;
+            let (factor, mode) = (learned.method.factor(), learned.mode);
+            (Some((learned, path)), factor, mode)
+        }
+    };
+    let paths = paths(job, mode)?;
     let terrain = match job.sketch_m {
         Some(heights_m) => Terrain::open_sketch(&job.input, &job.raster, heights_m)?,
         None => Terrain::open(&job.input, &job.raster, job.unit.as_ref())?,
     };
     terrain.notes().iter().for_each(|note| warn(note));
     let [rows, cols] = terrain.size();
-    if [rows, cols].iter().any(|side| side.saturating_mul(job.factor) > i32::MAX as usize) {
+    if [rows, cols].iter().any(|side| side.saturating_mul(factor) > i32::MAX as usize) {
         let message =
             format!("{cols} x {rows} cells would become more than 2^31 in a row or column; take a smaller --factor");
         return Err(Error::new(ErrorKind::Unsupported, message).at_path(&job.input));
     }
-    let record = terrain.finer_record(job.factor);
+    let record = terrain.finer_record(factor);
     // All are begun before anything is learned, and given their names after the last is made.
     let mut sinks = vec![];
     for path in &paths {
@@ -138,28 +132,29 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
     }
     let page = job.page.as_ref().map(|path| PageOutput::begin(path, job.overwrite)).transpose()?;
     sinks[0].notes(&job.options).iter().for_each(|note| warn(note));
-    let method = learned(job, &terrain, watch, warn)?;
-    let atoms = match &method {
-        Method::Paper(paper) => paper.atoms(),
-        Method::Cascade(cascade) => {
-            if cascade.borrowed_steps() > 0 {
-                warn(&format!(
-                    "the exemplars are too small for {} of the coarsest steps; what finer ones have learned is taken there",
-                    cascade.borrowed_steps()
-                ));
-            }
-            vec![]
+    let cell = terrain.cell.divided(factor);
+    let slope = middle_slope(&terrain)?;
+    let learned = match (kept, &job.source) {
+        (Some((learned, path)), _) => {
+            learned.remarks(path, cell, slope).iter().for_each(|text| warn(text));
+            learned
         }
+        (None, Source::Teaching(teaching)) => {
+            let aim = Aim { input: terrain.cell, made: cell, slope, memory: job.memory };
+            teaching.learn(&aim, watch, warn)?
+        }
+        (None, Source::Learned { .. }) => unreachable!("it was read"),
     };
-    let learned = begun.elapsed();
+    let learning = begun.elapsed();
 
     let begun = Instant::now();
     let void = record.bands[0].nodata_value().map_or(f32::NAN, |value| value as f32);
-    let seeds: Vec<u64> = (0..sinks.len() as u64).map(|number| job.seed.wrapping_add(number)).collect();
+    let seed = if mode.draws_in_learning() { learned.seed } else { job.seed };
+    let seeds: Vec<u64> = (0..sinks.len() as u64).map(|number| seed.wrapping_add(number)).collect();
     let (mut cells, mut deviation) = (0, 0.0f64);
-    let mut glance = page.as_ref().map(|_| Glance::new(terrain.size(), job.factor));
+    let mut glance = page.as_ref().map(|_| Glance::new(terrain.size(), factor));
     for (number, (&seed, sink)) in seeds.iter().zip(&mut sinks).enumerate() {
-        let making = Making { terrain: &terrain, method: &method, void, seed, memory: job.memory, watch };
+        let making = Making { terrain: &terrain, method: &learned.method, void, seed, memory: job.memory, watch };
         let made = making.run(sink, glance.as_mut().filter(|_| number == 0)).map_err(|error| match error.kind() {
             ErrorKind::Output | ErrorKind::Interrupted => error,
             _ => error.at_path(&job.input),
@@ -172,10 +167,10 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         deviation = deviation.max(made.deviation);
     }
     let format = sinks[0].format().to_string();
-    let cell = terrain.cell.divided(job.factor);
     let page = page.zip(glance).map(|(output, glance)| {
-        let facts = facts(job, &terrain, deviation * terrain.unit_m());
-        let (figures, html) = glance.page(&terrain, &title(job), facts)?;
+        let facts = facts(job, &learned, &terrain, (seed, deviation * terrain.unit_m()));
+        let title = format!("{}, {factor} times finer", name(&job.input));
+        let (figures, html) = glance.page(&terrain, &title, facts)?;
         std::fs::write(output.path(), html).map_err(|error| {
             let message = format!("the page cannot be written ({error}); is there room left?");
             Error::new(ErrorKind::Output, message).at_path(output.target())
@@ -202,26 +197,30 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         size: [record.height, record.width],
         cell_m: [cell.across_m, cell.down_m],
         cells,
-        atoms,
+        atoms: learned.method.atoms(),
         deviation_m: deviation * terrain.unit_m(),
         format,
         figures,
         outputs,
         seeds,
-        times: [learned, begun.elapsed()],
+        times: [learning, begun.elapsed()],
     })
 }
 
-/// A page's title.
-fn title(job: &AmplifyJob) -> String {
-    format!("{}, {} times finer", name(&job.input), job.factor)
-}
-
 /// What a page says at its head.
-fn facts(job: &AmplifyJob, terrain: &Terrain, deviation_m: f64) -> Vec<(String, String)> {
+fn facts(
+    job: &AmplifyJob,
+    learned: &Learned,
+    terrain: &Terrain,
+    (seed, deviation_m): (u64, f64),
+) -> Vec<(String, String)> {
     let [rows, cols] = terrain.size();
-    let exemplars: Vec<String> = job.exemplars.iter().map(|path| name(path)).collect();
-    let mode = match job.mode {
+    let factor = learned.method.factor();
+    let exemplars = match &job.source {
+        Source::Teaching(_) => learned.names(),
+        Source::Learned { path, .. } => format!("{}, learned before: {}", learned.names(), name(path)),
+    };
+    let mode = match learned.mode {
         Mode::Accurate => "accurate: the best estimate of the true heights",
         Mode::Realistic => "realistic: one of the terrains that there may be",
         Mode::Paper => "paper: patches of the exemplars in place of the input's",
@@ -229,33 +228,28 @@ fn facts(job: &AmplifyJob, terrain: &Terrain, deviation_m: f64) -> Vec<(String, 
     let facts = [
         ("input", format!("{}: {cols} x {rows} cells of {}", name(&job.input), terrain.cell)),
         ("output", {
-            let cell = terrain.cell.divided(job.factor);
-            format!("{}: {} x {} cells of {cell}", name(&job.output), cols * job.factor, rows * job.factor)
+            let cell = terrain.cell.divided(factor);
+            format!("{}: {} x {} cells of {cell}", name(&job.output), cols * factor, rows * factor)
         }),
-        ("exemplars", exemplars.join(", ")),
-        ("mode", format!("{mode}; seed {}", job.seed)),
+        ("exemplars", exemplars),
+        ("mode", format!("{mode}; seed {seed}")),
         ("means of cells are off by at most", format!("{deviation_m} m")),
     ];
     facts.map(|(name, words)| (name.to_string(), words)).to_vec()
-}
-
-/// A file's name without its folder.
-fn name(path: &Path) -> String {
-    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Where each terrain is written: `OUT.tif`, or `OUT-1.tif` and so on.
 ///
 /// # Errors
 /// A number of terrains that there cannot be.
-fn paths(job: &AmplifyJob) -> Result<Vec<PathBuf>> {
+fn paths(job: &AmplifyJob, mode: Mode) -> Result<Vec<PathBuf>> {
     if !(1..=MOST_OUTPUTS).contains(&job.count) {
         return Err(Error::usage(format!("--count {}: expected 1 to {MOST_OUTPUTS}", job.count)));
     }
     if job.count == 1 {
         return Ok(vec![job.output.clone()]);
     }
-    if job.mode != Mode::Realistic {
+    if mode != Mode::Realistic {
         return Err(Error::usage("--count: other modes make one terrain; several terrains need --mode realistic"));
     }
     let stem = job.output.file_stem().unwrap_or_default();
@@ -269,34 +263,6 @@ fn paths(job: &AmplifyJob) -> Result<Vec<PathBuf>> {
         job.output.with_file_name(name)
     };
     Ok((1..=job.count).map(name).collect())
-}
-
-/// What the exemplars teach.
-fn learned(job: &AmplifyJob, terrain: &Terrain, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Result<Method> {
-    let wanted = Wanted {
-        input: terrain.cell,
-        factor: job.factor,
-        slope: middle_slope(terrain)?,
-        bytes_per_cell: job.mode.bytes_per_exemplar_cell(),
-        memory: job.memory,
-    };
-    let mut exemplars = vec![];
-    for path in &job.exemplars {
-        exemplars.extend(exemplar::read(path, &wanted, watch, warn)?);
-    }
-    let is_square = terrain.cell.is_square();
-    let method = match job.mode {
-        Mode::Accurate => Cascade::learn(&exemplars, job.factor, is_square, job.seed, watch).map(Method::Cascade),
-        Mode::Realistic => Cascade::learn_textured(&exemplars, job.factor, is_square, watch).map(Method::Cascade),
-        Mode::Paper => {
-            let model = PatchModel { seed: job.seed, ..job.model.clone() };
-            Paper::learn(exemplars, job.factor, &model, watch).map(Method::Paper)
-        }
-    };
-    method.map_err(|error| match job.exemplars.first() {
-        Some(path) if error.kind() == ErrorKind::Input => error.at_path(path),
-        _ => error,
-    })
 }
 
 /// The median slope in the middle of the input.
