@@ -51,8 +51,8 @@ pub(super) struct Amplify {
     /// How many times finer the cells become: 2 to 256, a product of 2, 3, 5 and 7 unless in mode paper [default: 4].
     #[arg(long, value_name = "N")]
     factor: Option<usize>,
-    /// The input is a hand-drawn map: greys of 8 or 16 bits, which stand for --heights. Where it does not say where it
-    /// lies, --bbox and --crs do.
+    /// The input is a hand-drawn map: greys of 8 or 16 bits, a palette of greys, or red, green and blue that are equal,
+    /// which stand for --heights. Where it does not say where it lies, --bbox and --crs do.
     #[arg(long, requires = "heights")]
     sketch: bool,
     /// What black and white stand for in a sketch, such as 200m,3000m.

@@ -21,6 +21,7 @@ mod scene;
 mod scene_failures;
 #[path = "../schema/mod.rs"]
 mod schema;
+mod sketches;
 mod sparse;
 mod synthesize;
 mod terrain;

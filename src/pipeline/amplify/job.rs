@@ -116,7 +116,7 @@ pub fn run(job: &AmplifyJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Resul
         Some(heights_m) => Terrain::open_sketch(&job.input, &job.raster, heights_m)?,
         None => Terrain::open(&job.input, &job.raster, job.unit.as_ref())?,
     };
-    terrain.notes().iter().for_each(|note| warn(note));
+    terrain.notes().for_each(|note| warn(note));
     let [rows, cols] = terrain.size();
     if [rows, cols].iter().any(|side| side.saturating_mul(factor) > i32::MAX as usize) {
         let message =

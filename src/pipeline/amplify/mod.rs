@@ -1,7 +1,8 @@
 //! The job behind `orograph amplify`: a finer DEM from a coarse one and exemplars.
 //!
-//! `terrain` reads the input window by window, `exemplar` brings exemplars to the cells that are to be made,
-//! `teach` learns from them, `learned` is what was learned and its file, `method` is what makes planes finer, `strips` makes the output strip by strip, `sink` writes it, and `glance` looks at it for the page.
+//! `terrain` reads the input window by window, `sketch` one that is drawn, `exemplar` brings exemplars to the cells that
+//! are to be made, `teach` learns from them, `learned` is what was learned and its file, `method` is what makes planes
+//! finer, `strips` makes the output strip by strip, `sink` writes it, and `glance` looks at it for the page.
 
 mod cell_size;
 mod exemplar;
@@ -14,6 +15,7 @@ mod method;
 mod mode;
 mod resample;
 mod sink;
+mod sketch;
 mod strips;
 mod teach;
 mod terrain;

@@ -1,11 +1,12 @@
 //! The input: one band, read window by window as heights.
 
 use super::cell_size::CellSize;
+use super::sketch::{self, Greys};
 use crate::crs::Crs;
 use crate::error::{Error, ErrorKind, Result};
 use crate::grid::{GeoTransform, SampleType};
 use crate::io::raster::parse_crs;
-use crate::io::raster::stored::{BandRecord, Record, StoredOptions};
+use crate::io::raster::stored::{BandRecord, PALETTE_NOTE, Record, StoredOptions};
 use crate::pipeline::archive::Input;
 use crate::units::LengthUnit;
 use crate::with_cells;
@@ -17,8 +18,8 @@ pub(super) struct Terrain {
     input: Input,
     /// What is said of it: by the file, and of a sketch by the job.
     record: Record,
-    /// The elevations of black and of white, and the value that white has, where it is a sketch.
-    greys: Option<([f64; 2], f64)>,
+    /// What greys stand for, where it is a sketch.
+    greys: Option<Greys>,
     /// Metres in a unit of its elevations.
     unit_m: f64,
     /// Size of its cells.
@@ -37,57 +38,16 @@ impl Terrain {
         Self::of(path, input, record, None, unit)
     }
 
-    /// Opens a sketch: a drawn map whose greys stand for elevations in metres, those of black and of white. Where the file
-    /// does not say where it lies, the options' box is its place, and else what is read of it.
+    /// Opens a sketch: a drawn map whose greys stand for elevations in metres, those of black and of white.
     ///
     /// # Errors
-    /// As [`Terrain::open`]; cells of other than 8 or 16 bits, and a place that is not known.
+    /// As [`Terrain::open`] and [`sketch::open`].
     pub(super) fn open_sketch(path: &Path, options: &StoredOptions, heights_m: [f64; 2]) -> Result<Self> {
-        let whole = StoredOptions { bbox: None, ..options.clone() };
-        let mut input = Input::open(path, &whole)?;
-        let mut record = input.record().clone();
-        match (record.transform, options.bbox) {
-            (Some(_), Some(_)) => {
-                input = Input::open(path, options)?;
-                record = input.record().clone();
-            }
-            (Some(_), None) => {}
-            (None, Some([left, bottom, right, top])) => {
-                let (wide, high) = (right - left, top - bottom);
-                if !(wide > 0.0 && high > 0.0 && wide.is_finite() && high.is_finite()) {
-                    let message = format!("--bbox {left},{bottom},{right},{top}: expected xmin,ymin,xmax,ymax");
-                    return Err(Error::usage(message));
-                }
-                let (cols, rows) = (record.width as f64, record.height as f64);
-                record.transform = Some(GeoTransform([left, wide / cols, 0.0, top, 0.0, -high / rows]));
-            }
-            (None, None) => {
-                let message = "the sketch does not say where it lies: say it with --bbox xmin,ymin,xmax,ymax and --crs";
-                return Err(Error::usage(message).at_path(path));
-            }
-        }
-        let white = match record.bands.first().map(|band| band.sample) {
-            Some(SampleType::U8) => f64::from(u8::MAX),
-            Some(SampleType::U16) => f64::from(u16::MAX),
-            other => {
-                let kind = other.map_or("nothing", SampleType::name);
-                let message = format!("a sketch has greys of 8 or 16 bits, and this is {kind}; leave --sketch away");
-                return Err(Error::usage(message).at_path(path));
-            }
-        };
-        for band in &mut record.bands {
-            (band.unit, band.scale, band.offset) = ("m".into(), None, None);
-        }
-        Self::of(path, input, record, Some((heights_m, white)), None)
+        let (input, record, greys) = sketch::open(path, options, heights_m)?;
+        Self::of(path, input, record, Some(greys), None)
     }
 
-    fn of(
-        path: &Path,
-        input: Input,
-        record: Record,
-        greys: Option<([f64; 2], f64)>,
-        unit: Option<&LengthUnit>,
-    ) -> Result<Self> {
+    fn of(path: &Path, input: Input, record: Record, greys: Option<Greys>, unit: Option<&LengthUnit>) -> Result<Self> {
         let [band] = record.bands.as_slice() else {
             let bands = record.bands.len();
             let message = format!("{bands} bands, and one is made finer: choose it with --band");
@@ -137,8 +97,10 @@ impl Terrain {
     }
 
     /// What a user should know of how it is read.
-    pub(super) fn notes(&self) -> &[String] {
-        self.input.notes()
+    pub(super) fn notes(&self) -> impl Iterator<Item = &String> {
+        // The palette of a sketch is made use of.
+        let is_void = |note: &&String| self.greys.is_some() && note.starts_with(PALETTE_NOTE);
+        self.input.notes().iter().filter(move |note| !is_void(note))
     }
 
     /// Metres in a unit of its elevations.
@@ -154,9 +116,10 @@ impl Terrain {
         let cells = self.input.read(0, [col, row, cols, rows])?;
         let band = &self.input.record().bands[0];
         let void = band.nodata.map(|bits| bits.to_le_bytes());
-        let (scale, offset) = match self.greys {
-            Some(([black_m, white_m], white)) => ((white_m - black_m) / white, black_m),
-            None => (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0)),
+        let (scale, offset) = (band.scale.unwrap_or(1.0), band.offset.unwrap_or(0.0));
+        let height = |cell: f64| match &self.greys {
+            Some(greys) => greys.elevation_m(cell).unwrap_or(f64::NAN),
+            None => cell * scale + offset,
         };
         #[expect(clippy::useless_conversion, reason = "one of the types is a double already")]
         let heights: Vec<f64> = with_cells!(&cells, cells => cells
@@ -164,7 +127,7 @@ impl Terrain {
             .map(|&cell| {
                 let bytes = cell.to_le_bytes();
                 let is_void = void.is_some_and(|void| void[..bytes.len()] == bytes);
-                if is_void { f64::NAN } else { f64::from(cell) * scale + offset }
+                if is_void { f64::NAN } else { height(f64::from(cell)) }
             })
             .collect());
         if let Some(cell) = heights.iter().position(|height| height.is_infinite()) {

@@ -18,5 +18,5 @@ pub use cell::StoredCell;
 pub use driver::Format;
 pub use memory::{MemoryRaster, MemoryTarget};
 pub use record::{BandRecord, Item, Record};
-pub use source::{StoredOptions, StoredSource};
+pub use source::{PALETTE_NOTE, StoredOptions, StoredSource};
 pub use target::StoredTarget;

@@ -18,6 +18,9 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+/// How what is said of a colour table begins, for those who make use of it.
+pub const PALETTE_NOTE: &str = "the colour table";
+
 /// What to read of a raster; what is empty or `None` is taken from the file.
 #[derive(Clone, Debug, Default)]
 pub struct StoredOptions {
@@ -57,6 +60,7 @@ struct SourceBand {
     /// Number in the file, from 1.
     number: usize,
     mask: Option<Mask>,
+    palette: Option<Vec<[u8; 4]>>,
 }
 
 impl StoredSource {
@@ -107,7 +111,7 @@ impl StoredSource {
             let mask = mask_of(&band, &record, keeps_alpha, number, &mut notes).map_err(at_band)?;
             block = band.block_size();
             records.push(BandRecord { nodata: mask.map_or(record.nodata, |mask| Some(mask.nodata)), ..record });
-            bands.push(SourceBand { number, mask });
+            bands.push(SourceBand { number, mask, palette: palette_of(&band) });
         }
         Ok(Self {
             path: path.to_path_buf(),
@@ -131,6 +135,14 @@ impl StoredSource {
             block,
             idle: Mutex::default(),
         })
+    }
+
+    /// The colour table of a band, counted from 0 in the record: red, green, blue and opacity of each of its numbers.
+    ///
+    /// # Panics
+    /// When there is no such band.
+    pub fn palette(&self, band: usize) -> Option<&[[u8; 4]]> {
+        self.bands[band].palette.as_deref()
     }
 
     /// Rows that the file's blocks have: what is read at multiples of them is unpacked once.
@@ -242,6 +254,16 @@ fn is_alpha(dataset: &Dataset, number: usize) -> bool {
     dataset.rasterband(number).is_ok_and(|band| band.color_interpretation() == ColorInterpretation::AlphaBand)
 }
 
+/// The colour table of a band.
+fn palette_of(band: &RasterBand<'_>) -> Option<Vec<[u8; 4]>> {
+    let table = band.color_table()?;
+    let colour = |number: usize| {
+        let entry = table.entry_as_rgb(number).map_or([0; 4], |entry| [entry.r, entry.g, entry.b, entry.a]);
+        entry.map(|part| part.clamp(0, 255) as u8)
+    };
+    Some((0..table.entry_count()).map(colour).collect())
+}
+
 /// The CRS as WKT2 and the epoch of the coordinates.
 fn crs_of(dataset: &Dataset, assigned: Option<&str>, notes: &mut Vec<String>) -> Result<(Option<String>, Option<f64>)> {
     let stated = dataset.spatial_ref().ok();
@@ -274,7 +296,7 @@ fn record_of(band: &RasterBand<'_>, number: usize, nodata: Option<f64>, notes: &
         ));
     }
     if band.color_table().is_some() {
-        notes.push(format!("the colour table of band {number} is left out"));
+        notes.push(format!("{PALETTE_NOTE} of band {number} is left out"));
     }
     Ok(BandRecord {
         sample,
