@@ -5,8 +5,9 @@ use crate::linalg::{OctetWork, Octets, in_octets};
 
 /// Side of the squares that are summed over.
 pub(super) const SIDE: usize = 3;
-/// Cells that are summed at once, and numbers of a cell that weights are summed for at once.
-const GROUP: usize = 4;
+/// Cells that are summed at once, and numbers of a cell that weights are summed for at once: with three octets of each as
+/// many sums as leave registers for what is added.
+const GROUP: usize = 3;
 
 /// How the numbers of 3 x 3 cells make up those of the one in the middle.
 #[derive(Clone, Debug, PartialEq)]
