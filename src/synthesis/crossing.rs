@@ -49,8 +49,8 @@ mod tests {
         fn as_looking_at_points(at in prop::array::uniform8(0..5_i64)) {
             let [a, b, c, d] = [0, 2, 4, 6].map(|i| [at[i], at[i + 1]]);
             prop_assume!(a != b && c != d);
-            // Where lines of so few cells meet is a fraction of an area.
-            let area = ((b[0] - a[0]) * (d[1] - c[1]) - (b[1] - a[1]) * (d[0] - c[0])).abs().max(1);
+            // Where lines of so few cells meet is a fraction of an area; lines that lie on each other have halves in common.
+            let area = ((b[0] - a[0]) * (d[1] - c[1]) - (b[1] - a[1]) * (d[0] - c[0])).abs().max(2);
             let fine = |p: Point| p.map(|v| v * area);
             let on = |p: Point, from: Point, to: Point| {
                 let within = (0..2).all(|k| p[k] >= from[k].min(to[k]) && p[k] <= from[k].max(to[k]));
