@@ -29,6 +29,10 @@ pub(super) struct ShapeOptions {
     /// DEM of --like has it with --slope left out, unless given.
     #[arg(long, value_name = "1/M")]
     curvature: Option<f64>,
+    /// How much rivers wear the ground down between ridges and valley floors, up to 10: 0.2 for furrows, 1 for gullies;
+    /// not at all unless given.
+    #[arg(long, value_name = "STRENGTH")]
+    erosion: Option<f64>,
     /// GDAL's name of the terrain's format; after the extension unless given.
     #[arg(long = "of", value_name = "FORMAT")]
     format: Option<String>,
@@ -54,6 +58,7 @@ impl ShapeOptions {
             || self.slope.is_some()
             || self.roughness.is_some()
             || self.curvature.is_some()
+            || self.erosion.is_some()
             || self.format.is_some()
             || !self.options.is_empty()
     }
@@ -80,12 +85,16 @@ impl ShapeOptions {
         if let Some(curvature) = self.curvature.filter(|curvature| !(0.0..=0.1).contains(curvature)) {
             return Err(Error::usage(format!("--curvature {curvature}: expected a slope per metre from 0 to 0.1")));
         }
+        if let Some(erosion) = self.erosion.filter(|erosion| !(0.0..=10.0).contains(erosion)) {
+            return Err(Error::usage(format!("--erosion {erosion}: expected a strength from 0 to 10")));
+        }
         Ok(TerrainShape {
             ground_map: self.ground_map.clone(),
             floor_m: floor.map(|text| parse_length_m(text).map_err(|e| wrong_value("--floor", &e))).transpose()?,
             slope: self.slope,
             roughness: self.roughness,
             curvature: self.curvature,
+            erosion: self.erosion,
             seed,
         })
     }
@@ -101,6 +110,7 @@ impl ShapeOptions {
         put("--slope", self.slope.map(|slope| slope.to_string()));
         put("--roughness", self.roughness.map(|roughness| roughness.to_string()));
         put("--curvature", self.curvature.map(|curvature| curvature.to_string()));
+        put("--erosion", self.erosion.map(|erosion| erosion.to_string()));
         words
     }
 }

@@ -110,6 +110,7 @@ fn texts() {
     refused(&tree, &["--slope", "0"], 2, "--slope 0");
     refused(&tree, &["--roughness", "2"], 2, "--roughness 2");
     refused(&tree, &["--curvature", "0.5"], 2, "--curvature 0.5");
+    refused(&tree, &["--erosion", "11"], 2, "--erosion 11");
     refused(&tree, &["--resolution", "0m"], 2, "--resolution");
     refused(&tree, &["--resolution", "1mm"], 3, "coarser --resolution");
     refused(&tree, &["--resolution", "1m", "--memory", "300M"], 3, "memory");

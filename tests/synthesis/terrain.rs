@@ -70,11 +70,17 @@ proptest! {
 
     /// Without detail the terrain has the peaks of the tree, and no other; their key saddles are as high.
     #[test]
-    fn the_tree_of_hills(rows in 24..90_usize, cols in 24..90_usize, seed: u64, slope in 0.3..0.9_f64) {
+    fn the_tree_of_hills(
+        rows in 24..90_usize,
+        cols in 24..90_usize,
+        seed: u64,
+        slope in 0.3..0.9_f64,
+        erosion in prop_oneof![Just(0.0), 0.0..2.0_f64],
+    ) {
         let threshold_m = 60.0;
         let real = surveyed(&hills(rows, cols, seed), rows, cols, threshold_m);
         prop_assume!(real.peaks.len() > 1);
-        let options = TerrainOptions { slope, roughness: 0.0, floor_m: -500.0, ..TerrainOptions::default() };
+        let options = TerrainOptions { slope, erosion, roughness: 0.0, floor_m: -500.0, ..TerrainOptions::default() };
         let raised = raise(&skeleton(&real, rows, cols), &options, &Watch::default()).expect("terrain");
         prop_assert_eq!(&raised.crossings, &Vec::<[u32; 2]>::new());
         let found = surveyed(raised.relief.z_m(), rows, cols, threshold_m);
@@ -88,11 +94,17 @@ proptest! {
 
     /// Nothing holds water between the ridges, whatever the detail, and the elevations of the tree stay.
     #[test]
-    fn peaks_and_saddles_stay(rows in 10..60_usize, cols in 10..60_usize, seed: u64, roughness in 0.0..0.4_f64) {
+    fn peaks_and_saddles_stay(
+        rows in 10..60_usize,
+        cols in 10..60_usize,
+        seed: u64,
+        roughness in 0.0..0.4_f64,
+        erosion in prop_oneof![Just(0.0), 0.0..4.0_f64],
+    ) {
         let real = surveyed(&hills(rows, cols, seed), rows, cols, 30.0);
         let skeleton = skeleton(&real, rows, cols);
         let ground = Some(Ground { size: [1, 1], z_m: vec![850.0] });
-        let options = TerrainOptions { roughness, ground, seed, ..TerrainOptions::default() };
+        let options = TerrainOptions { roughness, erosion, ground, seed, ..TerrainOptions::default() };
         let raised = raise(&skeleton, &options, &Watch::default()).expect("terrain");
         prop_assert!(raised.relief.z_m().iter().all(|z| z.is_finite()));
         for spot in skeleton.peaks.iter().chain(&skeleton.saddles) {
@@ -108,7 +120,8 @@ fn the_same_whatever_the_threads() {
     let skeleton = skeleton(&real, 120, 150);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| raise(&skeleton, &TerrainOptions::default(), &Watch::default()).expect("terrain").relief)
+        let options = TerrainOptions { erosion: 1.0, ..TerrainOptions::default() };
+        pool.install(|| raise(&skeleton, &options, &Watch::default()).expect("terrain").relief)
     };
     assert_eq!(with(1), with(3));
 }

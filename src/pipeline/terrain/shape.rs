@@ -21,6 +21,8 @@ pub struct TerrainShape {
     pub roughness: Option<f64>,
     /// How much the slope of the ground between ridges and valleys changes per metre.
     pub curvature: Option<f64>,
+    /// How much rivers wear the ground down; not at all unless given.
+    pub erosion: Option<f64>,
     /// Equal seeds give equal detail.
     pub seed: u64,
 }
@@ -54,6 +56,7 @@ impl TerrainShape {
             slope: self.slope.unwrap_or(usual.slope),
             roughness: self.roughness.unwrap_or(usual.roughness),
             curvature: self.curvature.unwrap_or(usual.curvature),
+            erosion: self.erosion.unwrap_or(usual.erosion),
             seed: self.seed,
             ..usual
         };

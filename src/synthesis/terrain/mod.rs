@@ -8,7 +8,8 @@
 //! 3. `valleys`: along these ways the ground is carved down until it falls all the way out, from both sides of every
 //!    saddle on; valley floors, the wider the more drains there, stand fast, too.
 //! 4. `membrane`: in between the ground is stretched from ridge to valley, a little raised, so that hills grow round.
-//! 5. `hills`: detail is laid on, what stands by itself is shaved, and what would hold water is opened once more.
+//! 5. `hills`: detail is laid on; where that is wanted, rivers wear the ground down (`erode`); what stands by itself is
+//!    shaved, and what would hold water is opened once more.
 //!
 //! How steep, deep, rough and round all this is [`fit`](fn@fit) chooses so that the terrain is like a range ([`Likeness`]).
 //!
@@ -24,6 +25,7 @@ mod ceiling;
 mod crest;
 mod detail;
 mod envelope;
+mod erode;
 mod fit;
 mod ground;
 mod heights;

@@ -4,6 +4,7 @@ use super::ceiling::Ceiling;
 use super::crest::Crest;
 use super::detail::detail;
 use super::envelope::distance;
+use super::erode::erode;
 use super::ground::Ground;
 use super::hills::{hilly, shaved};
 use super::membrane::stretch;
@@ -25,6 +26,9 @@ pub struct TerrainOptions {
     pub roughness: f64,
     /// How much the slope of the ground between ridges and valleys changes per metre: hills grow round.
     pub curvature: f64,
+    /// How much rivers wear the ground down once it is raised: the stream power law's factor times its time, for all
+    /// steps, per metre of the square root of the drained area; 0 for nothing.
+    pub erosion: f64,
     /// How high the land is in the mean, if that is known.
     pub ground: Option<Ground>,
     /// Share of the depth of the plains below the ground that is theirs alone: valleys take some part.
@@ -37,7 +41,16 @@ pub struct TerrainOptions {
 
 impl Default for TerrainOptions {
     fn default() -> Self {
-        Self { slope: 0.5, roughness: 0.2, curvature: 5e-4, ground: None, depth: 0.75, floor_m: 0.0, seed: 0 }
+        Self {
+            slope: 0.5,
+            roughness: 0.2,
+            curvature: 5e-4,
+            erosion: 0.0,
+            ground: None,
+            depth: 0.75,
+            floor_m: 0.0,
+            seed: 0,
+        }
     }
 }
 
@@ -126,7 +139,11 @@ fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Re
     done()?;
     let mut z_m = fast.z_m;
     hilly(&mut z_m, &clear_m, &detail_m, ceiling, size[1], options.slope);
-    drop((clear_m, detail_m));
+    drop(detail_m);
+    if options.erosion > 0.0 {
+        erode(&mut z_m, &clear_m, size, cell_m, options.erosion)?;
+    }
+    drop(clear_m);
     done()?;
     let z_m = shaved(z_m, crest, skeleton)?;
     done()?;
