@@ -80,6 +80,11 @@ impl CellSize {
         are_alike(self.across_m, other.across_m) && are_alike(self.down_m, other.down_m)
     }
 
+    /// Whether the cells are clearly larger than others, along one axis at least.
+    pub(super) fn exceed(self, other: Self) -> bool {
+        (self.across_m / other.across_m).max(self.down_m / other.down_m) > 1.0 + ALIKE
+    }
+
     /// How many times as large as others the cells are: along the axis where that is less, unless it is more than twice
     /// as much along the other.
     pub(super) fn excess(self, other: Self) -> f64 {
@@ -136,6 +141,7 @@ mod tests {
         assert_eq!(size(30.0, 30.0).excess(size(20.0, 30.0)), 1.0);
         assert_eq!(size(30.0, 60.0).excess(size(10.0, 30.0)), 2.0);
         assert_eq!(size(30.0, 30.0).excess(size(5.0, 30.0)), 3.0, "no more than two times finer");
+        assert!(size(30.0, 30.0).exceed(size(20.0, 30.0)) && !size(30.0, 30.0).exceed(size(29.0, 40.0)));
         assert_eq!(size(10.0, 10.0).excess(size(20.0, 40.0)), 0.25);
     }
 

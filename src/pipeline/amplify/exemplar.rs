@@ -100,7 +100,7 @@ pub(super) fn read(
     };
     let turned = (!made.is_square()).then(|| fit(exemplar.transposed(), own.transposed()));
     let upright = fit(exemplar, own);
-    if excess > 1.1 {
+    if own.exceed(made) {
         say(&format!(
             "its cells of {own} are larger than those of {made} that are made: what is learned from it is detail of its own \
              size"
