@@ -1,7 +1,7 @@
 //! Steps one after the other, each learned at its own scale.
 
 use super::fill::filled;
-use super::learn::{Lesson, Lessons, TOO_FEW, learn};
+use super::learn::{By, Lesson, Lessons, TOO_FEW, learn};
 use super::network::{NETWORK_FACTORS, NETWORK_REACH, Network};
 use super::plane::Plane;
 use super::realistic::{Realistic, Shares, realistic_reach};
@@ -57,7 +57,7 @@ impl Stage {
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Estimate(network) => network.len(),
-            Self::Terrain { step, texture } => step.regressors.len() + texture.as_ref().map_or(0, Texture::len),
+            Self::Terrain { step, texture } => step.len() + texture.as_ref().map_or(0, Texture::len),
         }
     }
 }
@@ -137,18 +137,22 @@ impl Cascade {
     }
 
     /// Learns the steps of a factor as [`Cascade::learn`] does, and the texture of each. What is to become terrain looks
-    /// like terrain before each step, so each step learns from true heights.
+    /// like terrain before each step, so each step learns from true heights. How far the result is from the truth depends
+    /// on the first step most, so its estimates are by a network; those of later ones, for many more cells, by
+    /// regressions.
     ///
     /// # Errors
     /// As [`Cascade::learn`].
     pub fn learn_textured(exemplars: &[Plane], factor: usize, is_square: bool, watch: &Watch) -> Result<Self> {
         let factors = steps_of(factor, &STEP_FACTORS)?;
         let mut scales = shifted(exemplars, &factors);
-        watch.begin("learning", factors.len() as u64);
         let mut found: Vec<Option<(Step, Option<Texture>)>> = vec![];
         for (number, &factor) in factors.iter().enumerate() {
             let make = |lesson: usize| scales[lesson].lesson(number);
-            let step = learn(&Lessons { count: scales.len(), make: &make }, factor, is_square, TEXTURED, watch)?;
+            watch.begin("learning", 1);
+            let lessons = Lessons { count: scales.len(), make: &make };
+            let by = if number == 0 { By::Network } else { By::Regressions };
+            let step = learn(&lessons, factor, is_square, by, TEXTURED, watch)?;
             if number + 1 < factors.len() {
                 scales.par_iter_mut().for_each(|scales| scales.advance(number, None));
             }

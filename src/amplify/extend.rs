@@ -24,6 +24,14 @@ pub fn extended(window: &Plane, corner: [usize; 2], size: [usize; 2], wanted: [i
     Plane::new(lines.len(), places.len(), heights)
 }
 
+/// A whole raster with so many cells more at each side, and which of them are known.
+pub(super) fn widened(plane: &Plane, known: &[bool], margin: usize) -> (Plane, Vec<bool>) {
+    let size = [plane.rows(), plane.cols()];
+    let [rows, cols] = size.map(|side| (side + 2 * margin) as i64);
+    let wanted = [-(margin as i64), -(margin as i64), rows, cols];
+    (extended(plane, [0, 0], size, wanted), extended_mask(known, size[1], [0, 0], size, wanted))
+}
+
 /// Which cells of a window make up a cell in or beyond the raster, along one axis.
 #[derive(Clone, Copy, Debug)]
 enum Mirror {

@@ -5,9 +5,10 @@
 use super::anchors::{ANCHORS, Anchors};
 use super::bicubic::{Bicubic, MARGIN};
 use super::features::{DIMS, Features, INPUTS, Patches};
+use super::network::Network;
 use super::orientation::Ways;
 use super::plane::Plane;
-use super::step::{HALF, Step, detail_side};
+use super::step::{Estimator, HALF, Step, detail_side};
 use crate::error::Result;
 use crate::linalg::{Gram, solve};
 use crate::rng::Rng;
@@ -54,6 +55,14 @@ pub(super) struct Lessons<'a> {
     pub(super) make: &'a dyn Fn(usize) -> Lesson,
 }
 
+/// What a step makes its estimates by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    Regressions,
+    /// Where exemplars have room for what it sees; else by regressions.
+    Network,
+}
+
 /// Learns a step; nothing where there are too few patches with any relief. Equal seeds give equal steps, with any
 /// number of threads.
 ///
@@ -63,6 +72,7 @@ pub(super) fn learn(
     lessons: &Lessons<'_>,
     factor: usize,
     is_square: bool,
+    by: By,
     seed: u64,
     watch: &Watch,
 ) -> Result<Option<Step>> {
@@ -77,15 +87,33 @@ pub(super) fn learn(
     let units: Vec<[f32; DIMS]> = found.par_iter().map(unit).collect();
     let anchors = Anchors::learn(&units);
     watch.check()?;
+    let network = match by {
+        By::Network => Network::learn(lessons, factor, is_square, seed, watch)?,
+        By::Regressions => None,
+    };
+    let estimator = match network {
+        Some(network) => Estimator::Network(network),
+        None => Estimator::Regressions(regressors(&found, &units, &anchors, &samples, watch)?),
+    };
+    Ok(Some(Step { factor, is_square, features, anchors, estimator }))
+}
+
+/// The regressions of all anchors, from features of all samples, and the same with length 1.
+fn regressors(
+    found: &[[f32; DIMS]],
+    units: &[[f32; DIMS]],
+    anchors: &Anchors,
+    samples: &Samples,
+    watch: &Watch,
+) -> Result<Vec<f32>> {
     let mut followers = vec![vec![]; ANCHORS];
     let nearest: Vec<usize> = units.par_iter().map(|unit| anchors.of(unit)).collect();
     nearest.iter().enumerate().for_each(|(sample, &anchor)| followers[anchor].push(sample));
-    drop(units);
-    let sums: Vec<Normal> = followers.par_iter().map(|own| Normal::of(own, &found, &samples)).collect();
+    let sums: Vec<Normal> = followers.par_iter().map(|own| Normal::of(own, found, samples)).collect();
     watch.check()?;
     let vectors: Vec<[f32; DIMS]> = (0..ANCHORS).map(|anchor| anchors.vector(anchor)).collect();
     let solved: Vec<Vec<f32>> = (0..ANCHORS).into_par_iter().map(|own| pooled(own, &vectors, &sums)).collect();
-    Ok(Some(Step { factor, is_square, features, anchors, regressors: solved.concat() }))
+    Ok(solved.concat())
 }
 
 impl Samples {

@@ -5,11 +5,11 @@
 //! exemplars (`network`) says what is to be added; and back-projection sees to it that the means of the fine cells are the
 //! coarse heights again.
 //!
-//! A cascade that has learned texture makes one plausible terrain for each seed, in steps by 2 mostly. Patches of the
-//! coarse plane say what is to be added, by regressions, one for each of many kinds of patch (`anchors`, `learn`, `step`;
-//! A+, Timofte et al. 2014); that detail is made larger, samples of what exemplars have beyond the estimate are laid on it
-//! (`texture`, as strong as `strength` says of the place), water stays level (`level`), and the small pits that all of
-//! that makes are opened (`breach`).
+//! A cascade that has learned texture makes one plausible terrain for each seed, in steps by 2 mostly. In the first step a
+//! network says what is to be added; in later ones patches of the coarse plane do, by regressions, one for each of many
+//! kinds of patch (`anchors`, `learn`, `step`; A+, Timofte et al. 2014). That detail is made larger, samples of what
+//! exemplars have beyond the estimate are laid on it (`texture`, as strong as `strength` says of the place), water stays
+//! level (`level`), and the small pits that all of that makes are opened (`breach`).
 //!
 //! [`Paper`] is amplification as paper 001 writes it: patches of the exemplar stand in for those of the coarse plane. It is
 //! for comparison, and for its look: it keeps no means.

@@ -24,9 +24,9 @@ pub(super) struct Shares {
 
 impl Shares {
     /// Of the first step, on whose octave the distance from the truth depends.
-    pub(super) const FIRST: Self = Self { detail: 1.7, texture: 0.65 };
+    pub(super) const FIRST: Self = Self { detail: 1.2, texture: 0.75 };
     /// Of later steps, which decide how rough terrain is.
-    pub(super) const LATER: Self = Self { detail: 1.3, texture: 1.15 };
+    pub(super) const LATER: Self = Self { detail: 1.3, texture: 1.05 };
 }
 
 /// A step and what is laid on its estimates.

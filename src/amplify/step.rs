@@ -3,16 +3,20 @@
 use super::anchors::{Anchors, BRANCHES};
 use super::back_projection::{BackProjection, CORRECTION_MARGIN};
 use super::bicubic::{Bicubic, MARGIN};
-use super::extend::{extended, extended_mask};
+use super::extend::widened;
 use super::features::{DIMS, Features, INPUTS, Patches, RADIUS};
+use super::network::{NETWORK_ESTIMATE_MARGIN, Network};
 use super::orientation::{Offsets, Ways};
 use super::plane::Plane;
 use crate::linalg::vectorised;
 
 /// Coarse cells at each side of a patch's middle whose fine cells are estimated from the patch.
 pub(super) const HALF: usize = 1;
+/// Coarse cells at each side of a plane of which patches say nothing.
+const PATCH_MARGIN: usize = RADIUS + HALF;
 /// Coarse cells at each side of a plane of which nothing is estimated.
-pub(super) const ESTIMATE_MARGIN: usize = RADIUS + HALF;
+pub(super) const ESTIMATE_MARGIN: usize =
+    if PATCH_MARGIN > NETWORK_ESTIMATE_MARGIN { PATCH_MARGIN } else { NETWORK_ESTIMATE_MARGIN };
 /// Coarse cells at each side that are needed beyond those that are made finer.
 pub(super) const STEP_REACH: usize = ESTIMATE_MARGIN + CORRECTION_MARGIN;
 
@@ -26,9 +30,26 @@ pub(super) struct Step {
     pub(super) is_square: bool,
     pub(super) features: Features,
     pub(super) anchors: Anchors,
-    /// For each anchor and each feature of a patch in standing position, its part in the fine cells' heights above
-    /// the bicubic ones.
-    pub(super) regressors: Vec<f32>,
+    pub(super) estimator: Estimator,
+}
+
+/// What says how high fine cells are above the bicubic heights.
+#[derive(Clone, Debug)]
+pub(super) enum Estimator {
+    /// For each anchor and each feature of a patch in standing position, its part in the fine cells' heights.
+    Regressions(Vec<f32>),
+    /// Nearer to the truth, in more time.
+    Network(Network),
+}
+
+impl Estimator {
+    /// Numbers that were learned.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Regressions(numbers) => numbers.len(),
+            Self::Network(network) => network.len(),
+        }
+    }
 }
 
 /// Which patches an estimate is made of.
@@ -78,6 +99,11 @@ impl Step {
     /// Kinds of patches: few, so that each has many samples.
     pub(super) const KINDS: usize = BRANCHES;
 
+    /// Numbers that were learned.
+    pub(super) fn len(&self) -> usize {
+        (INPUTS + (1 + BRANCHES) * BRANCHES) * DIMS + self.estimator.len()
+    }
+
     /// The finer plane of all but [`STEP_REACH`] coarse cells at each side. Its means are the coarse heights where these
     /// are `known`.
     ///
@@ -89,32 +115,38 @@ impl Step {
         BackProjection::new(self.factor).corrected(&fine, &coarse.trimmed(ESTIMATE_MARGIN), &known)
     }
 
-    /// The finer plane of a whole raster, which goes on beyond its edges as [`extended`] says.
+    /// The finer plane of a whole raster, which goes on beyond its edges.
     pub(super) fn applied_whole(&self, coarse: &Plane, known: &[bool]) -> Plane {
-        let size = [coarse.rows(), coarse.cols()];
-        let margin = STEP_REACH as i64;
-        let wanted = [-margin, -margin, size[0] as i64 + 2 * margin, size[1] as i64 + 2 * margin];
-        let mask = extended_mask(known, size[1], [0, 0], size, wanted);
-        self.applied(&extended(coarse, [0, 0], size, wanted), &mask)
+        let (wide, known) = widened(coarse, known, STEP_REACH);
+        self.applied(&wide, &known)
     }
 
-    /// Bicubic heights and so many times the detail that patches say, of all but [`ESTIMATE_MARGIN`] coarse cells at each
-    /// side.
+    /// Bicubic heights and so many times the estimated detail, of all but [`ESTIMATE_MARGIN`] coarse cells at each side.
     pub(super) fn estimated(&self, coarse: &Plane, times: f64, patches: Taken) -> Plane {
-        let mut fine = Bicubic::new(self.factor).enlarged(coarse).trimmed((ESTIMATE_MARGIN - MARGIN) * self.factor);
+        let (fine, margin) = match &self.estimator {
+            Estimator::Regressions(regressors) => (self.regressed(regressors, coarse, times, patches), PATCH_MARGIN),
+            Estimator::Network(network) => (network.estimated(coarse, times), NETWORK_ESTIMATE_MARGIN),
+        };
+        fine.trimmed((ESTIMATE_MARGIN - margin) * self.factor)
+    }
+
+    /// Bicubic heights and so many times the detail that patches say, of all but [`PATCH_MARGIN`] coarse cells at each
+    /// side.
+    fn regressed(&self, regressors: &[f32], coarse: &Plane, times: f64, patches: Taken) -> Plane {
+        let mut fine = Bicubic::new(self.factor).enlarged(coarse).trimmed((PATCH_MARGIN - MARGIN) * self.factor);
         let detail = match self.factor {
-            2 => self.detail::<36>(coarse, patches),
-            3 => self.detail::<81>(coarse, patches),
-            5 => self.detail::<225>(coarse, patches),
-            7 => self.detail::<441>(coarse, patches),
+            2 => self.detail::<36>(regressors, coarse, patches),
+            3 => self.detail::<81>(regressors, coarse, patches),
+            5 => self.detail::<225>(regressors, coarse, patches),
+            7 => self.detail::<441>(regressors, coarse, patches),
             other => unreachable!("there are no steps of {other}"),
         };
         let cols = fine.cols();
         let lines = fine.heights_mut().chunks_exact_mut(cols.max(1)).zip(detail.chunks_exact(cols.max(1)));
         for (line, (heights, sums)) in lines.enumerate() {
             // Even and odd columns of coarse cells in turn.
-            let parts = [0, 1]
-                .map(|col| times / patches.overlaps(line / self.factor + ESTIMATE_MARGIN + col + ESTIMATE_MARGIN));
+            let parts =
+                [0, 1].map(|col| times / patches.overlaps(line / self.factor + PATCH_MARGIN + col + PATCH_MARGIN));
             let cells = heights.chunks_exact_mut(self.factor).zip(sums.chunks_exact(self.factor));
             for ((heights, sums), part) in cells.zip(parts.into_iter().cycle()) {
                 heights.iter_mut().zip(sums).for_each(|(height, sum)| *height += f64::from(*sum) * part);
@@ -133,7 +165,7 @@ impl Step {
     /// how many fine cells a patch speaks of.
     ///
     /// Each fine cell takes its terms row by row of the patches, wherever the plane is cut.
-    fn detail<const CELLS: usize>(&self, coarse: &Plane, taken: Taken) -> Vec<f32> {
+    fn detail<const CELLS: usize>(&self, regressors: &[f32], coarse: &Plane, taken: Taken) -> Vec<f32> {
         let factor = self.factor;
         let [rows, cols] = [coarse.rows(), coarse.cols()].map(|side| side - 2 * RADIUS);
         // Beside the patches' middles what they say of the cells around them.
@@ -144,7 +176,14 @@ impl Step {
         for row in 0..rows {
             let middles = taken.columns(row + RADIUS, RADIUS..RADIUS + cols);
             vectorised(|| {
-                self.add_row::<CELLS>(&patches, row + RADIUS, middles, &places, &mut sums[row * factor * wide..])
+                self.add_row::<CELLS>(
+                    regressors,
+                    &patches,
+                    row + RADIUS,
+                    middles,
+                    &places,
+                    &mut sums[row * factor * wide..],
+                )
             });
         }
         let cut = 2 * HALF * factor;
@@ -155,6 +194,7 @@ impl Step {
     #[inline(always)]
     fn add_row<const CELLS: usize>(
         &self,
+        regressors: &[f32],
         patches: &Patches<'_>,
         row: usize,
         middles: impl Iterator<Item = usize>,
@@ -167,7 +207,7 @@ impl Step {
             let features = self.features.of(&patch);
             let anchor = self.anchors.of(&features);
             let mut detail = [0.0f32; CELLS];
-            let regressor = &self.regressors[anchor * DIMS * CELLS..][..DIMS * CELLS];
+            let regressor = &regressors[anchor * DIMS * CELLS..][..DIMS * CELLS];
             for (parts, feature) in regressor.as_chunks::<CELLS>().0.iter().zip(features) {
                 for (height, part) in detail.iter_mut().zip(parts) {
                     *height += feature * part;

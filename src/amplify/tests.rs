@@ -1,11 +1,11 @@
 //! Slow and plain versions of what steps do, in double precision; and what has to hold of all of it.
 
 use super::anchors::BRANCHES;
-use super::back_projection::{BackProjection, CORRECTION_MARGIN};
+use super::back_projection::BackProjection;
 use super::extend::{extended, extended_mask};
 use super::features::{DIMS, INPUTS, Patches, RADIUS, SIDE};
-use super::learn::{Lesson, Lessons, learn};
-use super::step::{STEP_REACH, Step, Taken};
+use super::learn::{By, Lesson, Lessons, learn};
+use super::step::{ESTIMATE_MARGIN, Estimator, STEP_REACH, Step, Taken};
 use super::texture::{Place, Texture};
 use super::{Bicubic, Cascade, Plane};
 use crate::rng::Rng;
@@ -64,7 +64,7 @@ fn taught(coarse: &Plane, fine: &Plane, factor: usize, is_square: bool) -> Step 
     let known = vec![true; coarse.heights_m().len()];
     let make = |_: usize| Lesson { fine: fine.clone(), coarse: coarse.clone(), known: known.clone() };
     let lessons = Lessons { count: 1, make: &make };
-    learn(&lessons, factor, is_square, 1, &Watch::default()).unwrap().expect("enough to learn from")
+    learn(&lessons, factor, is_square, By::Regressions, 1, &Watch::default()).unwrap().expect("enough to learn from")
 }
 
 /// Cells of a turned square of a side: row and column of each in the square as it lies.
@@ -80,6 +80,11 @@ fn turned(side: usize, mirror_cols: bool, mirror_rows: bool, transpose: bool) ->
         square = (0..side).map(|r| (0..side).map(|c| square[c][r]).collect()).collect();
     }
     square.concat()
+}
+
+fn regressors(step: &Step) -> &[f32] {
+    let Estimator::Regressions(regressors) = &step.estimator else { panic!("it was learned by regressions") };
+    regressors
 }
 
 /// A step by its definition: all sums in double precision, cell by cell.
@@ -116,7 +121,7 @@ fn slowly(step: &Step, coarse: &Plane) -> Plane {
             let siblings = anchor / BRANCHES * BRANCHES..(anchor / BRANCHES + 1) * BRANCHES;
             let best = siblings.map(product).fold(f64::NEG_INFINITY, f64::max);
             assert!(product(anchor) >= best - 1e-4 * best.abs(), "the nearest of the branch");
-            let matrix = &step.regressors[anchor * DIMS * side * side..][..DIMS * side * side];
+            let matrix = &regressors(step)[anchor * DIMS * side * side..][..DIMS * side * side];
             for (i, &(r, c)) in turned(side, ways.0, ways.1, ways.2).iter().enumerate() {
                 let height: f64 = (0..DIMS).map(|k| features[k] * f64::from(matrix[k * side * side + i])).sum();
                 let fine = [(row - 1) * factor + r, (col - 1) * factor + c];
@@ -132,7 +137,8 @@ fn slowly(step: &Step, coarse: &Plane) -> Plane {
     let heights = base.heights_m().iter().zip(&sums).map(|(base, sum)| base + sum).collect();
     let fine = Plane::new(base.rows(), base.cols(), heights);
     let within = coarse.trimmed(margin);
-    BackProjection::new(factor).corrected(&fine, &within, &vec![true; within.heights_m().len()])
+    let all = vec![true; within.heights_m().len()];
+    BackProjection::new(factor).corrected(&fine, &within, &all).trimmed((ESTIMATE_MARGIN - margin) * factor)
 }
 
 #[test]
@@ -146,7 +152,6 @@ fn steps_are_what_they_are_defined_to_be() {
         for (a, b) in quick.heights_m().iter().zip(slow.heights_m()) {
             assert!((a - b).abs() < 1e-3, "factor {factor}: {a} and {b}");
         }
-        assert_eq!(STEP_REACH, CORRECTION_MARGIN + RADIUS + 1);
     }
 }
 
@@ -174,7 +179,7 @@ fn a_linear_law_is_learned() {
         for col in 8..60 {
             patches.take(row, col, &mut patch);
             let features = step.features.of(&patch);
-            let matrix = &step.regressors[step.anchors.of(&features) * DIMS * 36..][..DIMS * 36];
+            let matrix = &regressors(&step)[step.anchors.of(&features) * DIMS * 36..][..DIMS * 36];
             // The middle cells have the same law whatever the way.
             let found: f64 = (0..DIMS).map(|k| f64::from(features[k]) * f64::from(matrix[k * 36 + 14])).sum();
             let around = coarse.row(row - 1)[col]
@@ -253,7 +258,7 @@ fn half_of_the_patches_say_about_the_same() {
     let step = step(2, true, &fine);
     let coarse = hills(30, 31, 8);
     let [all, even, odd] = [Taken::All, Taken::Even, Taken::Odd].map(|taken| step.estimated(&coarse, 1.0, taken));
-    let bicubic = Bicubic::new(2).enlarged(&coarse).trimmed(4);
+    let bicubic = Bicubic::new(2).enlarged(&coarse).trimmed((ESTIMATE_MARGIN - 2) * 2);
     let squares =
         |a: &Plane, b: &Plane| -> f64 { a.heights_m().iter().zip(b.heights_m()).map(|(a, b)| (a - b).powi(2)).sum() };
     for half in [&even, &odd] {

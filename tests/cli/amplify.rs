@@ -34,8 +34,18 @@ fn riddled(dir: &TempDir) -> (String, Vec<f32>) {
     })
 }
 
+/// With an exemplar, or with what was learned from one.
 fn amplify(input: &str, output: &str, exemplar: &str, options: &[&str]) -> Value {
-    Run::done(&[&["amplify", input, output, "--exemplar", exemplar, "--json"], options].concat()).json()
+    let from = if exemplar.ends_with(".learned") { "--learned" } else { "--exemplar" };
+    Run::done(&[&["amplify", input, output, from, exemplar, "--json"], options].concat()).json()
+}
+
+/// What is learned from terrain of 200 x 200 cells, once for all runs of a test, and the exemplar itself.
+fn taught(dir: &TempDir, mode: &str) -> (String, String) {
+    let (exemplar, _) = dem(dir, "exemplar.tif", (200, 200), |_| {});
+    let kept = inside(dir, &format!("{mode}.learned"));
+    Run::done(&["learn", "--multires", &exemplar, &kept, "--mode", mode, "--cell", "7.5m", "--factor", "4"]);
+    (kept, exemplar)
 }
 
 /// Elevations of a raster of single precision.
@@ -66,7 +76,8 @@ fn deviation(coarse: &[f32], cols: usize, fine: &[f32], factor: usize, void: Opt
 #[test]
 fn grids_are_aligned_and_means_kept() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (240, 200), |_| {});
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (130, 120), |_| {});
+    let (large, _) = dem(&dir, "large.tif", (240, 200), |_| {});
     let (input, coarse) = dem(&dir, "input.tif", (50, 41), |raster| {
         raster.more = |dataset| {
             dataset.rasterband(1).expect("a band").set_description("ground").expect("a description");
@@ -75,7 +86,8 @@ fn grids_are_aligned_and_means_kept() {
     for factor in [2, 3, 4, 8] {
         let out = inside(&dir, &format!("x{factor}.tif"));
         let number = factor.to_string();
-        let document = amplify(&input, &out, &exemplar, &["--factor", &number]);
+        let exemplar = if factor == 8 { &large } else { &exemplar };
+        let document = amplify(&input, &out, exemplar, &["--factor", &number]);
         let (size, fine) = cells(&out);
         assert_eq!(size, (50 * factor, 41 * factor));
         let found = deviation(&coarse, 50, &fine, factor, None);
@@ -94,7 +106,7 @@ fn grids_are_aligned_and_means_kept() {
 #[test]
 fn bytes_depend_on_neither_threads_nor_memory() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (learned, exemplar) = taught(&dir, "accurate");
     let (input, coarse) = dem(&dir, "input.tif", (300, 520), |raster| {
         raster.nodata = Some(-1.0);
         let cells = &mut raster.bands[0];
@@ -108,7 +120,7 @@ fn bytes_depend_on_neither_threads_nor_memory() {
     let mut known: Option<Vec<u8>> = None;
     for options in [["-j", "1", "--memory", "4G"], ["-j", "3", "--memory", "4G"], ["-j", "1", "--memory", "180M"]] {
         let out = inside(&dir, "out.tif");
-        amplify(&input, &out, &exemplar, &[&options[..], &["--overwrite", "--factor", "4"]].concat());
+        amplify(&input, &out, &learned, &[&options[..], &["--overwrite"]].concat());
         let bytes = fs::read(&out).expect("the output");
         assert!(known.get_or_insert_with(|| bytes.clone()) == &bytes, "{options:?}");
     }
@@ -118,7 +130,7 @@ fn bytes_depend_on_neither_threads_nor_memory() {
     assert!(found <= 0.01, "{found} m");
     // A container holds the same cells.
     let (packed, out) = (inside(&dir, "out.oro"), inside(&dir, "again.tif"));
-    amplify(&input, &packed, &exemplar, &["--factor", "4"]);
+    amplify(&input, &packed, &learned, &[]);
     Run::done(&["decode", &packed, &out]);
     assert!(cells(&out).1 == fine, "the same cells");
     Run::done(&["verify", &packed]);
@@ -133,11 +145,11 @@ fn bytes_depend_on_neither_threads_nor_memory() {
 #[test]
 fn realistic_terrain_depends_on_the_seed_alone() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (learned, _) = taught(&dir, "realistic");
     let (input, coarse) = riddled(&dir);
     let realistic = |name: &str, options: &[&str]| {
         let out = inside(&dir, name);
-        let document = amplify(&input, &out, &exemplar, &[&["--mode", "realistic", "--overwrite"], options].concat());
+        let document = amplify(&input, &out, &learned, &[&["--overwrite"], options].concat());
         (out, document)
     };
     let mut known: Option<Vec<u8>> = None;
@@ -167,18 +179,18 @@ fn realistic_terrain_depends_on_the_seed_alone() {
 #[test]
 fn realistic_terrain_of_all_sizes() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (learned, _) = taught(&dir, "realistic");
     for size in [(1, 1), (1, 7), (9, 1), (2, 3)] {
         let name = format!("{}x{}.tif", size.0, size.1);
         let (input, coarse) = dem(&dir, &name, size, |_| {});
         let out = inside(&dir, &format!("fine-{name}"));
-        amplify(&input, &out, &exemplar, &["--mode", "realistic"]);
+        amplify(&input, &out, &learned, &[]);
         let found = deviation(&coarse, size.0, &cells(&out).1, 4, None);
         assert!(found <= 0.01, "{name}: {found} m");
     }
     let (flat, _) = dem(&dir, "flat.tif", (30, 20), |raster| raster.bands[0].fill(12.5));
     let out = inside(&dir, "fine-flat.tif");
-    amplify(&flat, &out, &exemplar, &["--mode", "realistic"]);
+    amplify(&flat, &out, &learned, &[]);
     assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
 }
 
@@ -240,18 +252,18 @@ fn the_papers_way_with_all_sizes() {
 #[test]
 fn parts_feet_and_narrow_rasters() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (learned, exemplar) = taught(&dir, "accurate");
     for size in [(1, 1), (1, 7), (9, 1), (2, 3)] {
         let name = format!("{}x{}.tif", size.0, size.1);
         let (input, coarse) = dem(&dir, &name, size, |_| {});
         let out = inside(&dir, &format!("fine-{name}"));
-        amplify(&input, &out, &exemplar, &[]);
+        amplify(&input, &out, &learned, &[]);
         let found = deviation(&coarse, size.0, &cells(&out).1, 4, None);
         assert!(found <= 0.01, "{name}: {found} m");
     }
     let (flat, _) = dem(&dir, "flat.tif", (30, 20), |raster| raster.bands[0].fill(12.5));
     let out = inside(&dir, "fine-flat.tif");
-    amplify(&flat, &out, &exemplar, &[]);
+    amplify(&flat, &out, &learned, &[]);
     assert!(cells(&out).1.iter().all(|&height| height == 12.5), "flat land stays flat");
     // Values keep their unit; a part lies where it lay.
     let out = inside(&dir, "feet.tif");
@@ -478,7 +490,7 @@ fn is_well_formed(html: &str) -> bool {
 #[test]
 fn a_page_that_can_be_mailed() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (200, 200), |_| {});
+    let (learned, exemplar) = taught(&dir, "accurate");
     let (input, _) = dem(&dir, "a & b.tif", (220, 210), |raster| {
         raster.nodata = Some(-1.0);
         (0..40).for_each(|i| raster.bands[0][i * 577 + 99] = -1.0);
@@ -487,7 +499,7 @@ fn a_page_that_can_be_mailed() {
     let mut known: Option<String> = None;
     for threads in ["1", "3"] {
         let options = ["--report", &page, "-j", threads, "--overwrite"];
-        let document = amplify(&input, &out, &exemplar, &options);
+        let document = amplify(&input, &out, &learned, &options);
         assert_eq!(document["outputs"], serde_json::json!([out, page]));
         let html = fs::read_to_string(&page).expect("the page");
         assert!(known.get_or_insert_with(|| html.clone()) == &html, "the same bytes with other threads");
@@ -534,7 +546,7 @@ fn a_page_that_can_be_mailed() {
 #[test]
 fn sketches() {
     let dir = folder();
-    let (exemplar, _) = dem(&dir, "exemplar.tif", (220, 220), |_| {});
+    let (exemplar, _) = dem(&dir, "exemplar.tif", (140, 140), |_| {});
     let size = (60, 40);
     let greys: Vec<u8> = terrain(60, 40).into_iter().map(|v| (v * 255.0) as u8).collect();
     let drawn = |name: &str| {

@@ -1,12 +1,12 @@
-//! A step of anchored regressions and its texture.
+//! A step and its texture.
 
 use super::super::anchors::{ANCHORS, Anchors, BRANCHES, Knot};
 use super::super::features::{DIMS, Features, INPUTS};
-use super::super::step::{Step, detail_side};
+use super::super::step::{Estimator, Step, detail_side};
 use super::super::strength::{MEASURES, Strength};
 use super::super::texture::{MOST_VALUES, Texture, sample_side};
 use super::bytes::{Cursor, corrupt, put_f64, put_u8, put_u32};
-use super::numbers;
+use super::{networks, numbers};
 use crate::error::Result;
 
 /// Stands for the kind of a sample that only kinds have which have them all.
@@ -38,7 +38,16 @@ fn put_step(out: &mut Vec<u8>, step: &Step) -> Result<()> {
     let knots = std::iter::once(&step.anchors.root).chain(&step.anchors.knots);
     let vectors: Vec<f32> = knots.flat_map(|knot| knot.0.as_flattened()).copied().collect();
     numbers::put(out, BRANCHES, &vectors)?;
-    numbers::put(out, patch_cells(step.factor), &step.regressors)
+    match &step.estimator {
+        Estimator::Regressions(regressors) => {
+            put_u8(out, 0);
+            numbers::put(out, patch_cells(step.factor), regressors)
+        }
+        Estimator::Network(network) => {
+            put_u8(out, 1);
+            networks::put_layers(out, network)
+        }
+    }
 }
 
 /// Fine cells of a patch.
@@ -50,7 +59,6 @@ fn take_step(cursor: &mut Cursor<'_>, factor: usize) -> Result<Step> {
     let is_square = cursor.flag("whether cells are square")?;
     let weights = numbers::take_finite(cursor, [INPUTS, DIMS], "the features")?;
     let vectors = numbers::take_finite(cursor, [(1 + BRANCHES) * DIMS, BRANCHES], "the anchors")?;
-    let regressors = numbers::take_finite(cursor, [ANCHORS * DIMS, patch_cells(factor)], "the regressions")?;
     let knot = |values: &[[f32; BRANCHES]]| {
         let mut knot = Knot([[0.0; BRANCHES]; DIMS]);
         knot.0.copy_from_slice(values);
@@ -59,7 +67,15 @@ fn take_step(cursor: &mut Cursor<'_>, factor: usize) -> Result<Step> {
     let knots: Vec<Knot> = vectors.as_chunks().0.chunks_exact(DIMS).map(knot).collect();
     let Some((root, knots)) = knots.split_first() else { return Err(corrupt("there are no anchors")) };
     let anchors = Anchors { root: root.clone(), knots: knots.to_vec() };
-    Ok(Step { factor, is_square, features: Features { weights: weights.as_chunks().0.to_vec() }, anchors, regressors })
+    let estimator = match cursor.flag("whether estimates are by a network")? {
+        true => Estimator::Network(networks::take_layers(cursor, factor, is_square)?),
+        false => Estimator::Regressions(numbers::take_finite(
+            cursor,
+            [ANCHORS * DIMS, patch_cells(factor)],
+            "the regressions",
+        )?),
+    };
+    Ok(Step { factor, is_square, features: Features { weights: weights.as_chunks().0.to_vec() }, anchors, estimator })
 }
 
 fn put_texture(out: &mut Vec<u8>, texture: &Texture, factor: usize) -> Result<()> {

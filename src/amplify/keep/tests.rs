@@ -4,7 +4,7 @@ use super::super::anchors::{ANCHORS, Anchors, BRANCHES, Knot};
 use super::super::cascade::Stage;
 use super::super::features::{DIMS, Features, INPUTS};
 use super::super::network::Network;
-use super::super::step::{Step, detail_side};
+use super::super::step::{Estimator, Step, detail_side};
 use super::super::strength::Strength;
 use super::super::texture::{Texture, sample_side};
 use super::super::{Cascade, Paper, PatchModel, Plane};
@@ -50,7 +50,9 @@ pub(crate) fn plain(factor: usize, is_textured: bool) -> Cascade {
             weights: (0..INPUTS).map(|i| std::array::from_fn(|k| f32::from(u8::from(i == k)))).collect(),
         },
         anchors: Anchors { root: knot(0), knots: (1..=BRANCHES).map(knot).collect() },
-        regressors: (0..ANCHORS * DIMS * cells).map(|i| if i / cells % DIMS == 3 { 0.125 } else { 0.0 }).collect(),
+        estimator: Estimator::Regressions(
+            (0..ANCHORS * DIMS * cells).map(|i| if i / cells % DIMS == 3 { 0.125 } else { 0.0 }).collect(),
+        ),
     };
     let texture = Texture {
         strength: Strength { weights: [0.25, 0.5, 0.0] },
@@ -92,6 +94,7 @@ fn learned_steps_come_back_to_the_bit() {
     let watch = Watch::default();
     for (factor, cascade) in [
         (2, Cascade::learn(exemplars, 2, true, 1, &watch).unwrap()),
+        (2, Cascade::learn_textured(exemplars, 2, false, &watch).unwrap()),
         // The coarser step is borrowed.
         (4, Cascade::learn_textured(exemplars, 4, false, &watch).unwrap()),
     ] {
@@ -103,7 +106,11 @@ fn learned_steps_come_back_to_the_bit() {
                 (Stage::Estimate(old), Stage::Estimate(new)) => assert_eq!(old, new),
                 (Stage::Terrain { step: old, texture }, Stage::Terrain { step: new, texture: again }) => {
                     assert_eq!((old.factor, old.is_square), (new.factor, new.is_square));
-                    assert_eq!(bits(&old.regressors), bits(&new.regressors));
+                    match (&old.estimator, &new.estimator) {
+                        (Estimator::Regressions(old), Estimator::Regressions(new)) => assert_eq!(bits(old), bits(new)),
+                        (Estimator::Network(old), Estimator::Network(new)) => assert_eq!(old, new),
+                        _ => panic!("of one kind"),
+                    }
                     assert_eq!(bits(old.features.weights.as_flattened()), bits(new.features.weights.as_flattened()));
                     assert!((0..ANCHORS).all(|k| old.anchors.vector(k) == new.anchors.vector(k)), "anchors");
                     assert_eq!(texture.is_some(), again.is_some());

@@ -15,7 +15,7 @@ mod tests;
 
 use super::back_projection::{BackProjection, CORRECTION_MARGIN};
 use super::bicubic::{Bicubic, MARGIN};
-use super::extend::{extended, extended_mask};
+use super::extend::widened;
 use super::orientation::Way;
 use super::plane::Plane;
 use super::step::trimmed_mask;
@@ -30,6 +30,8 @@ const LAYERS: usize = 5;
 const RISES: usize = 2;
 /// Coarse cells at each side of those whose fine cells are estimated: one a layer, and one for the differences.
 const REACH: usize = LAYERS + 1;
+/// The same, for what lays more on the estimates.
+pub(super) const NETWORK_ESTIMATE_MARGIN: usize = REACH;
 /// Coarse cells at each side that are needed beyond those that are made finer.
 pub(super) const NETWORK_REACH: usize = REACH + CORRECTION_MARGIN;
 /// Factors that there are networks of.
@@ -91,31 +93,29 @@ impl Network {
     /// # Panics
     /// When the plane is not larger than its margins.
     pub(super) fn applied(&self, coarse: &Plane, known: &[bool]) -> Plane {
-        let fine = self.estimated(coarse);
+        let fine = self.estimated(coarse, 1.0);
         let known = trimmed_mask(known, coarse.cols(), REACH);
         BackProjection::new(self.factor).corrected(&fine, &coarse.trimmed(REACH), &known)
     }
 
-    /// The finer plane of a whole raster, which goes on beyond its edges as [`extended`] says.
+    /// The finer plane of a whole raster, which goes on beyond its edges.
     pub(super) fn applied_whole(&self, coarse: &Plane, known: &[bool]) -> Plane {
-        let size = [coarse.rows(), coarse.cols()];
-        let margin = NETWORK_REACH as i64;
-        let wanted = [-margin, -margin, size[0] as i64 + 2 * margin, size[1] as i64 + 2 * margin];
-        let mask = extended_mask(known, size[1], [0, 0], size, wanted);
-        self.applied(&extended(coarse, [0, 0], size, wanted), &mask)
+        let (wide, known) = widened(coarse, known, NETWORK_REACH);
+        self.applied(&wide, &known)
     }
 
-    /// Bicubic heights and what the network adds to them, of all but [`REACH`] coarse cells at each side.
+    /// Bicubic heights and so many times what the network says of the fine cells, of all but [`REACH`] coarse cells at each
+    /// side.
     ///
     /// The network looks at the terrain in four ways, and the mean of what it says is taken (Lim et al. 2017, Enhanced
     /// deep residual networks for single image super-resolution, doi:10.1109/CVPRW.2017.151, section 3.3): it has learned
     /// to say about the same in all of them, and errs in each in another way.
-    fn estimated(&self, coarse: &Plane) -> Plane {
+    pub(super) fn estimated(&self, coarse: &Plane, times: f64) -> Plane {
         let (factor, depth) = (self.factor, self.depth());
         let mut fine = Bicubic::new(factor).enlarged(coarse).trimmed((REACH - MARGIN) * factor);
         let cols = fine.cols();
         let ways = Way::four(self.is_square);
-        let part = 1.0 / ways.len() as f64;
+        let part = times / ways.len() as f64;
         for way in ways {
             let turned = way.turned(coarse);
             let size = [turned.rows() - 2 * REACH, turned.cols() - 2 * REACH].map(|side| side * factor);

@@ -178,18 +178,18 @@ fn turned_and_steeper_terrain_is_no_other_case() {
     for is_square in [true, false] {
         let network = network(3, is_square, rng);
         let (plane, _) = whole(&hills(11, 8, rng));
-        let known = network.estimated(&plane);
+        let known = network.estimated(&plane, 1.0);
         let most = known.heights_m().iter().fold(0.0f64, |most, v| most.max(v.abs()));
         for way in Way::four(is_square) {
-            let turned = network.estimated(&way.turned(&plane));
+            let turned = network.estimated(&way.turned(&plane), 1.0);
             for (a, b) in way.turned(&known).heights_m().iter().zip(turned.heights_m()) {
                 assert!((a - b).abs() < 1e-5 * most, "{way:?}: {a} and {b}");
             }
         }
         let four =
             |plane: &Plane| Plane::new(plane.rows(), plane.cols(), plane.heights_m().iter().map(|h| 4.0 * h).collect());
-        assert_eq!(network.estimated(&four(&plane)), four(&known));
+        assert_eq!(network.estimated(&four(&plane), 1.0), four(&known));
         let level = Plane::new(40, 40, vec![17.25; 1600]);
-        assert_eq!(network.estimated(&level), Bicubic::new(3).enlarged(&level).trimmed((REACH - MARGIN) * 3));
+        assert_eq!(network.estimated(&level, 1.0), Bicubic::new(3).enlarged(&level).trimmed((REACH - MARGIN) * 3));
     }
 }

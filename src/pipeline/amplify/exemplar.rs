@@ -89,7 +89,6 @@ pub(super) fn read(
     let exemplar = Plane::new(rows, cols, dem.heights_m());
     drop(dem);
     let made = wanted.made;
-    let excess = own.excess(made);
     let fit = |exemplar: Plane, own: CellSize| {
         let larger = own.excess(made).max(1.0);
         let target = if own.is_like(made) { made } else { made.times(larger) };
@@ -106,7 +105,7 @@ pub(super) fn read(
              size"
         ));
     }
-    let slope = median_slope(&upright.averaged(wanted.factor), wanted.input.times(excess.max(1.0)));
+    let slope = median_slope(&upright.averaged(wanted.factor), wanted.input.times(own.excess(made).max(1.0)));
     if let Some(text) = remark(wanted.slope, slope) {
         say(&text);
     }
