@@ -213,7 +213,13 @@ fn text(report: &SynthesizeReport) -> String {
         report.size.0
     );
     if report.kept_peaks > 0 {
-        let _ = writeln!(text, "of these {} peaks and {} ridges are kept", report.kept_peaks, report.kept_ridges);
+        let altered = match report.altered {
+            0 => String::new(),
+            1 => "; one of the peaks has another prominence among the new ones".into(),
+            count => format!("; {count} of the peaks have another prominence among the new ones"),
+        };
+        let _ =
+            writeln!(text, "of these {} peaks and {} ridges are kept{altered}", report.kept_peaks, report.kept_ridges);
     }
     for range in &report.ranges {
         let _ = writeln!(

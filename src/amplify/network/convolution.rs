@@ -88,6 +88,27 @@ impl Convolution {
     }
 }
 
+/// Work on some octets of all that comes out of a layer, whose sums have room in registers.
+trait OctetsOfLayer {
+    /// Octets of the layer.
+    fn count(&self) -> usize;
+
+    /// `OCTETS` octets of all cells, from the octet `first`; always to be inlined.
+    fn work<S: Octets, const OCTETS: usize>(&mut self, octets: S, first: usize);
+}
+
+/// Works on all octets of a layer, three at once as long as there are so many.
+#[inline(always)]
+fn by_threes<S: Octets>(work: &mut impl OctetsOfLayer, octets: S) {
+    for first in (0..work.count()).step_by(3) {
+        match work.count() - first {
+            1 => work.work::<S, 1>(octets, first),
+            2 => work.work::<S, 2>(octets, first),
+            _ => work.work::<S, 3>(octets, first),
+        }
+    }
+}
+
 struct Row<'a> {
     layer: &'a Convolution,
     rows: [&'a [f32]; SIDE],
@@ -100,22 +121,18 @@ impl OctetWork for Row<'_> {
 
     #[inline(always)]
     fn run<S: Octets>(mut self, octets: S) {
-        let mut first = 0;
-        while first < self.layer.octets {
-            match self.layer.octets - first {
-                1 => self.columns::<S, 1>(octets, first),
-                2 => self.columns::<S, 2>(octets, first),
-                _ => self.columns::<S, 3>(octets, first),
-            }
-            first += 3;
-        }
+        by_threes(&mut self, octets);
     }
 }
 
-impl Row<'_> {
-    /// `OCTETS` octets of all cells, from the octet `first`.
+impl OctetsOfLayer for Row<'_> {
     #[inline(always)]
-    fn columns<S: Octets, const OCTETS: usize>(&mut self, octets: S, first: usize) {
+    fn count(&self) -> usize {
+        self.layer.octets
+    }
+
+    #[inline(always)]
+    fn work<S: Octets, const OCTETS: usize>(&mut self, octets: S, first: usize) {
         let cols = self.out.len() / self.layer.depth();
         let mut col = 0;
         while col + GROUP <= cols {
@@ -127,7 +144,9 @@ impl Row<'_> {
             col += 1;
         }
     }
+}
 
+impl Row<'_> {
     #[inline(always)]
     fn cells<S: Octets, const OCTETS: usize, const CELLS: usize>(&mut self, octets: S, first: usize, col: usize) {
         let (inputs, stride) = (self.layer.inputs, self.layer.octets);
@@ -168,21 +187,18 @@ impl OctetWork for WeightSlopes<'_> {
 
     #[inline(always)]
     fn run<S: Octets>(mut self, octets: S) {
-        let mut first = 0;
-        while first < self.layer.octets {
-            match self.layer.octets - first {
-                1 => self.lines::<S, 1>(octets, first),
-                2 => self.lines::<S, 2>(octets, first),
-                _ => self.lines::<S, 3>(octets, first),
-            }
-            first += 3;
-        }
+        by_threes(&mut self, octets);
     }
 }
 
-impl WeightSlopes<'_> {
+impl OctetsOfLayer for WeightSlopes<'_> {
     #[inline(always)]
-    fn lines<S: Octets, const OCTETS: usize>(&mut self, octets: S, first: usize) {
+    fn count(&self) -> usize {
+        self.layer.octets
+    }
+
+    #[inline(always)]
+    fn work<S: Octets, const OCTETS: usize>(&mut self, octets: S, first: usize) {
         let span = SIDE * self.layer.inputs;
         for line in 0..SIDE {
             let mut k = 0;
@@ -196,7 +212,9 @@ impl WeightSlopes<'_> {
             }
         }
     }
+}
 
+impl WeightSlopes<'_> {
     /// Sums over all cells, row by row, for some of the numbers of a row of three cells.
     #[inline(always)]
     fn weights<S: Octets, const OCTETS: usize, const COUNT: usize>(
