@@ -109,6 +109,17 @@ fn by_threes<S: Octets>(work: &mut impl OctetsOfLayer, octets: S) {
     }
 }
 
+/// The first octets of some. A loop, since `map` is a call that goes through memory where tests are built.
+#[inline(always)]
+fn loaded<S: Octets, const OCTETS: usize>(octets: S, values: &[[f32; 8]]) -> [S::Eight; OCTETS] {
+    let values = &values[..OCTETS];
+    let mut eights = [octets.splat(0.0); OCTETS];
+    for (eight, values) in eights.iter_mut().zip(values) {
+        *eight = octets.load(values);
+    }
+    eights
+}
+
 struct Row<'a> {
     layer: &'a Convolution,
     rows: [&'a [f32]; SIDE],
@@ -155,8 +166,7 @@ impl Row<'_> {
             let span = SIDE * inputs;
             let row = &row[col * inputs..][..(CELLS - 1) * inputs + span];
             for (k, parts) in self.layer.of_row(number).chunks_exact(stride).enumerate() {
-                let parts: &[[f32; 8]; OCTETS] = parts[first..].first_chunk().expect("as many octets");
-                let parts = parts.each_ref().map(|part| octets.load(part));
+                let parts = loaded::<S, OCTETS>(octets, &parts[first..]);
                 for (cell, sums) in sums.iter_mut().enumerate() {
                     let value = octets.splat(row[cell * inputs + k]);
                     for (sum, part) in sums.iter_mut().zip(parts) {
@@ -230,8 +240,7 @@ impl WeightSlopes<'_> {
             let values = &self.field.row(row + line)[k..];
             let slopes = self.slopes.row(row).as_chunks::<8>().0.chunks_exact(stride);
             for (slopes, values) in slopes.zip(values.windows(COUNT).step_by(inputs)) {
-                let slopes: &[[f32; 8]; OCTETS] = slopes[first..].first_chunk().expect("as many octets");
-                let slopes = slopes.each_ref().map(|slope| octets.load(slope));
+                let slopes = loaded::<S, OCTETS>(octets, &slopes[first..]);
                 for (sums, &value) in sums.iter_mut().zip(values) {
                     let value = octets.splat(value);
                     for (sum, slope) in sums.iter_mut().zip(slopes) {
