@@ -247,12 +247,23 @@ fn text(report: &SynthesizeReport) -> String {
 
 fn json(report: &SynthesizeReport) -> Value {
     let [measured, tree, terrain, written] = report.times.map(|time| time.as_secs_f64());
+    let forms = report.raised.as_ref().map_or(&[][..], |options| &options.forms);
+    let first = forms.first();
+    // Several ranges have a form each, or one of all.
+    let own = |number: usize| forms.get(number).or(first);
     let ranges: Vec<Value> = report
         .ranges
         .iter()
-        .map(|range| {
+        .enumerate()
+        .map(|(number, range)| {
             json!({
                 "like": range.path.display().to_string(),
+                "terrain": own(number).map(|form| json!({
+                    "slope": form.slope,
+                    "plains_depth": form.depth,
+                    "roughness": form.roughness,
+                    "curvature_per_m": form.curvature,
+                })),
                 "like_peaks": range.like_peaks,
                 "peaks": range.peaks,
                 "metrics": range.comparisons,
@@ -272,10 +283,10 @@ fn json(report: &SynthesizeReport) -> Value {
         "peaks_without_room_at_their_isolation": report.misplaced,
         "peaks_without_a_drawn_prominence": report.misjudged,
         "ranges": ranges,
-        "slope": report.raised.as_ref().map(|options| options.slope),
-        "plains_depth": report.raised.as_ref().map(|options| options.depth),
-        "roughness": report.raised.as_ref().map(|options| options.roughness),
-        "curvature_per_m": report.raised.as_ref().map(|options| options.curvature),
+        "slope": first.map(|form| form.slope),
+        "plains_depth": first.map(|form| form.depth),
+        "roughness": first.map(|form| form.roughness),
+        "curvature_per_m": first.map(|form| form.curvature),
         "seconds": { "measure": measured, "synthesize": tree, "terrain": terrain, "write": written },
     })
 }

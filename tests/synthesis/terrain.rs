@@ -4,7 +4,9 @@ use super::range::cells;
 use orograph::grid::{AnyGrid, Cell, Elevations, Grid, Key, SampleType};
 use orograph::noise::{NoiseKind, NoiseSum, Sample, Spectrum};
 use orograph::orometry::{GivenPass, GivenTree, Survey, SurveyOptions, survey};
-use orograph::synthesis::terrain::{Free, Ground, Likeness, RidgeLine, Skeleton, Spot, TerrainOptions, fit, raise};
+use orograph::synthesis::terrain::{
+    Form, FormMap, Free, Ground, Likeness, RidgeLine, Skeleton, Spot, TerrainOptions, fit, raise,
+};
 use orograph::watch::Watch;
 use proptest::prelude::*;
 
@@ -80,7 +82,7 @@ proptest! {
         let threshold_m = 60.0;
         let real = surveyed(&hills(rows, cols, seed), rows, cols, threshold_m);
         prop_assume!(real.peaks.len() > 1);
-        let options = TerrainOptions { slope, erosion, roughness: 0.0, floor_m: -500.0, ..TerrainOptions::default() };
+        let options = TerrainOptions { erosion, floor_m: -500.0, ..formed(Form { slope, roughness: 0.0, ..Form::default() }) };
         let raised = raise(&skeleton(&real, rows, cols), &options, &Watch::default()).expect("terrain");
         prop_assert_eq!(&raised.crossings, &Vec::<[u32; 2]>::new());
         let found = surveyed(raised.relief.z_m(), rows, cols, threshold_m);
@@ -104,7 +106,7 @@ proptest! {
         let real = surveyed(&hills(rows, cols, seed), rows, cols, 30.0);
         let skeleton = skeleton(&real, rows, cols);
         let ground = Some(Ground { size: [1, 1], z_m: vec![850.0] });
-        let options = TerrainOptions { roughness, erosion, ground, seed, ..TerrainOptions::default() };
+        let options = TerrainOptions { erosion, ground, seed, ..formed(Form { roughness, ..Form::default() }) };
         let raised = raise(&skeleton, &options, &Watch::default()).expect("terrain");
         prop_assert!(raised.relief.z_m().iter().all(|z| z.is_finite()));
         for spot in skeleton.peaks.iter().chain(&skeleton.saddles) {
@@ -137,15 +139,61 @@ fn what_is_chosen_is_more_like_the_range() {
         Likeness::of(&z_m, [rows, cols], [CELL_M; 2], CELL_M).distance(&like)
     };
     let ground = Some(Ground::of(&z_m, [rows, cols], [8, 7]));
-    let usual = TerrainOptions { ground, roughness: 0.07, slope: 0.9, ..TerrainOptions::default() };
+    let usual = TerrainOptions { ground, ..formed(Form { roughness: 0.07, slope: 0.9, ..Form::default() }) };
     let all = Free { slope: true, roughness: true, curvature: true };
-    let chosen = fit(&skeleton, &usual, all, &like, &Watch::default()).expect("options");
+    let chosen = fit(&skeleton, &usual, all, &[Some(&like)], &Watch::default()).expect("options");
     assert!(apart(&chosen) < 0.8 * apart(&usual), "{} and {} degrees", apart(&chosen), apart(&usual));
     // What is not free stays; what must be known of the ground is not touched.
     let fixed = Free { roughness: false, ..all };
-    let kept = fit(&skeleton, &usual, fixed, &like, &Watch::default()).expect("options");
-    assert_eq!((kept.roughness, &kept.ground), (0.07, &usual.ground));
-    assert_ne!(kept.slope, usual.slope);
+    let kept = fit(&skeleton, &usual, fixed, &[Some(&like)], &Watch::default()).expect("options");
+    assert_eq!((kept.forms[0].roughness, &kept.ground), (0.07, &usual.ground));
+    assert_ne!(kept.forms[0].slope, usual.forms[0].slope);
+}
+
+/// Options with one form everywhere.
+fn formed(form: Form) -> TerrainOptions {
+    TerrainOptions { forms: vec![form], ..TerrainOptions::default() }
+}
+
+/// West and east of a raster, the other half being void.
+fn halves(z_m: &[f32], cols: usize) -> [Vec<f32>; 2] {
+    [true, false].map(|is_west| {
+        let own = |(cell, &z): (usize, &f32)| if (cell % cols < cols / 2) == is_west { z } else { f32::NAN };
+        z_m.iter().enumerate().map(own).collect()
+    })
+}
+
+#[test]
+fn each_part_is_formed_like_its_range() {
+    let (rows, cols) = (160, 240);
+    // Four times as high in the west as in the east.
+    let steep = |(cell, &z): (usize, &f32)| if cell % cols < cols / 2 { 4.0 * z } else { z };
+    let z_m: Vec<f32> = hills(rows, cols, 11).iter().enumerate().map(steep).collect();
+    let skeleton = skeleton(&surveyed(&z_m, rows, cols, 40.0), rows, cols);
+    let kinds: Vec<usize> = skeleton.peaks.iter().map(|peak| usize::from(peak.col >= cols / 2)).collect();
+    let likes = halves(&z_m, cols).map(|half| Likeness::of(&half, [rows, cols], [CELL_M; 2], CELL_M));
+    let form = Form { roughness: 0.05, ..Form::default() };
+    let map = FormMap::of_peaks(&skeleton, &kinds);
+    let ground = Some(Ground::of(&z_m, [rows, cols], [8, 12]));
+    let usual = TerrainOptions { forms: vec![form; 2], form_map: Some(map), ground, ..TerrainOptions::default() };
+    let terrain = |options: &TerrainOptions| raise(&skeleton, options, &Watch::default()).expect("terrain").relief;
+    let one = TerrainOptions { form_map: None, ..usual.clone() };
+    assert_eq!(terrain(&usual), terrain(&one), "a form in two parts is one form");
+    let free = Free { slope: true, roughness: true, curvature: true };
+    let chosen = fit(&skeleton, &usual, free, &[Some(&likes[0]), Some(&likes[1])], &Watch::default()).expect("options");
+    assert!(chosen.forms[0].slope > 1.5 * chosen.forms[1].slope, "{:?}", chosen.forms);
+    let apart = |options: &TerrainOptions| {
+        let halves = halves(&terrain(options).into_z_m(), cols);
+        let of = |half: &Vec<f32>| Likeness::of(half, [rows, cols], [CELL_M; 2], CELL_M);
+        [0, 1].map(|half| of(&halves[half]).distance(&likes[half]))
+    };
+    // Like the west everywhere, the east is too steep.
+    let west = fit(&skeleton, &one, free, &[Some(&likes[0]), None], &Watch::default()).expect("options");
+    let (both, west) = (apart(&chosen), apart(&TerrainOptions { form_map: None, ..west }));
+    assert!(both[1] < 0.8 * west[1], "{both:?} and {west:?} degrees");
+    // A form without a range stays.
+    let half = fit(&skeleton, &usual, free, &[None, Some(&likes[1])], &Watch::default()).expect("options");
+    assert_eq!(half.forms[0], form);
 }
 
 #[test]
@@ -181,7 +229,7 @@ fn a_bent_tree_without_lines() {
         let last = ridge.points.last().expect("points");
         assert!((last[0] - top.col as f64).abs() < 1e-9 && (last[1] - top.row as f64).abs() < 1e-9);
     }
-    let options = TerrainOptions { floor_m: 300.0, roughness: 0.05, ..TerrainOptions::default() };
+    let options = TerrainOptions { floor_m: 300.0, ..formed(Form { roughness: 0.05, ..Form::default() }) };
     let raised = raise(&skeleton, &options, &Watch::default()).expect("terrain");
     let found = told(&surveyed(raised.relief.z_m(), 150, 200, 100.0));
     let wanted =

@@ -6,7 +6,7 @@ use super::super::memory;
 use super::super::metric::AnyMetric;
 use super::super::regions::Regions;
 use super::super::surveying::own_geographic;
-use super::super::terrain::{RasterOutput, TerrainShape, TerrainTarget, read_kept, tell_crossings};
+use super::super::terrain::{RasterOutput, TerrainLike, TerrainShape, TerrainTarget, read_kept, tell_crossings};
 use super::maps::Maps;
 use super::range::{Range, RangeOptions};
 use crate::erosion::Relief;
@@ -77,7 +77,7 @@ pub struct KeepPart {
 pub struct TerrainPart {
     /// Where to write.
     pub output: RasterOutput,
-    /// How it is shaped: where it is not said, as steep and as rough as the first range if that is a DEM.
+    /// How it is shaped: where it is not said, as steep and as rough as the ranges that are DEMs.
     pub shape: TerrainShape,
 }
 
@@ -141,21 +141,16 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     let mut outputs = writer.as_ref().map(Writer::targets).unwrap_or_default();
     let begun = Instant::now();
     let mut note = |text: String| warn(&text);
+    // The ranges are what terrain is like, unless it is said how steep that is.
+    let is_like = job.terrain.as_ref().is_some_and(|part| part.shape.slope.is_none());
     let reading = RangeOptions {
         min_prominence_m: job.min_prominence_m,
         layer: job.layer.as_deref(),
         domain: job.domain.as_deref(),
         memory: job.memory,
-        likeness_side_m: None,
+        likeness_side_m: is_like.then_some(job.resolution_m),
     };
-    // The first range is what terrain is like, unless it is said how steep that is.
-    let is_like = job.terrain.as_ref().is_some_and(|part| part.shape.slope.is_none());
-    let first = RangeOptions { likeness_side_m: is_like.then_some(job.resolution_m), ..reading };
-    let ranges = job.like.iter().enumerate().map(|(number, path)| {
-        let reading = if number == 0 { &first } else { &reading };
-        reading.read(path, watch, &mut note)
-    });
-    let ranges = ranges.collect::<Result<Vec<Range>>>()?;
+    let ranges = job.like.iter().map(|path| reading.read(path, watch, &mut note)).collect::<Result<Vec<Range>>>()?;
     let first = ranges.first().ok_or_else(|| Error::usage("--like names no range"))?;
     let land = land(first, job)?;
     let maps = Maps {
@@ -186,7 +181,9 @@ pub fn run(job: &SynthesizeJob, watch: &Watch, warn: &mut dyn FnMut(&str)) -> Re
     let begun = Instant::now();
     let metadata = metadata(job, &ranges);
     let raised = match &job.terrain {
-        Some(part) => Some(raised(part, job, first, &land, land.cell_m(&metric), &made, &metadata, watch, &mut note)?),
+        Some(part) => {
+            Some(raised(part, job, &ranges, &land, land.cell_m(&metric), &made, &metadata, watch, &mut note)?)
+        }
         None => None,
     };
     let raising = begun.elapsed();
@@ -272,7 +269,7 @@ struct Waiting {
 fn raised(
     part: &TerrainPart,
     job: &SynthesizeJob,
-    range: &Range,
+    ranges: &[Range],
     land: &Land,
     cell_m: [f64; 2],
     made: &Synthesis,
@@ -283,8 +280,10 @@ fn raised(
     let target = TerrainTarget::begin(&part.output, land, metadata)?;
     let skeleton = Skeleton::of_tree(&made.tree, &|pass| made.kept_passes[pass].is_some(), cell_m, job.options.seed);
     // Whoever says how steep the ground is gets it as it is: nothing is chosen.
-    let like = range.likeness.as_ref().filter(|_| part.shape.slope.is_none());
-    let options = part.shape.options(&skeleton, land, like, job.memory, watch)?;
+    let likes = ranges.iter().map(|range| range.likeness.as_ref()).collect();
+    let like = TerrainLike { likes, kinds: &made.kinds };
+    let options =
+        part.shape.options(&skeleton, land, Some(&like).filter(|_| part.shape.slope.is_none()), job.memory, watch)?;
     let Raised { relief, crossings } = raise(&skeleton, &options, watch)?;
     tell_crossings(&skeleton, land, &crossings, &mut |text| note(text.to_string()));
     Ok(Waiting { target, relief, options })

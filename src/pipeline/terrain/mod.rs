@@ -12,6 +12,7 @@ mod write;
 pub(super) use job::tell_crossings;
 pub use job::{TerrainJob, TerrainReport, run};
 pub(super) use kept::read_kept;
+pub(super) use shape::TerrainLike;
 pub use shape::TerrainShape;
 pub(super) use write::TerrainTarget;
 pub use write::{RasterOutput, is_raster};

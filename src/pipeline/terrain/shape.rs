@@ -4,7 +4,7 @@ use super::super::land::Land;
 use super::super::memory;
 use super::ground::read_ground;
 use crate::error::Result;
-use crate::synthesis::terrain::{Free, Likeness, Skeleton, TerrainOptions, fit};
+use crate::synthesis::terrain::{Form, FormMap, Free, Likeness, Skeleton, TerrainOptions, fit};
 use crate::watch::Watch;
 use std::path::PathBuf;
 
@@ -27,8 +27,16 @@ pub struct TerrainShape {
     pub seed: u64,
 }
 
+/// What terrain is like.
+pub(in super::super) struct TerrainLike<'a> {
+    /// How steep the ranges are, where that is known.
+    pub(in super::super) likes: Vec<Option<&'a Likeness>>,
+    /// For each peak of the skeleton the position of its range.
+    pub(in super::super) kinds: &'a [usize],
+}
+
 impl TerrainShape {
-    /// The options for the terrain of a skeleton on some land, chosen like a range where one is given; work that does not
+    /// The options for the terrain of a skeleton on some land, chosen like ranges where such are given; work that does not
     /// fit into memory is refused.
     ///
     /// # Errors
@@ -37,7 +45,7 @@ impl TerrainShape {
         &self,
         skeleton: &Skeleton,
         land: &Land,
-        like: Option<&Likeness>,
+        like: Option<&TerrainLike<'_>>,
         memory: Option<u64>,
         watch: &Watch,
     ) -> Result<TerrainOptions> {
@@ -50,21 +58,27 @@ impl TerrainShape {
         let ground = ground.map(|path| read_ground(path, land, skeleton.cell_m, memory, watch)).transpose()?;
         let lowest_m = skeleton.saddles.iter().chain(&skeleton.peaks).map(|spot| spot.elevation_m).reduce(f64::min);
         let usual = TerrainOptions::default();
+        let usual_form = Form::default();
+        let form = Form {
+            slope: self.slope.unwrap_or(usual_form.slope),
+            roughness: self.roughness.unwrap_or(usual_form.roughness),
+            curvature: self.curvature.unwrap_or(usual_form.curvature),
+            ..usual_form
+        };
+        let several = like.filter(|like| like.likes.len() > 1);
         let options = TerrainOptions {
+            forms: vec![form; like.map_or(1, |like| like.likes.len())],
+            form_map: several.map(|like| FormMap::of_peaks(skeleton, like.kinds)),
             ground,
             floor_m: self.floor_m.or(lowest_m).unwrap_or(0.0),
-            slope: self.slope.unwrap_or(usual.slope),
-            roughness: self.roughness.unwrap_or(usual.roughness),
-            curvature: self.curvature.unwrap_or(usual.curvature),
             erosion: self.erosion.unwrap_or(usual.erosion),
             seed: self.seed,
-            ..usual
         };
         let free = Free {
             slope: self.slope.is_none(),
             roughness: self.roughness.is_none(),
             curvature: self.curvature.is_none(),
         };
-        like.map_or_else(|| Ok(options.clone()), |like| fit(skeleton, &options, free, like, watch))
+        like.map_or_else(|| Ok(options.clone()), |like| fit(skeleton, &options, free, &like.likes, watch))
     }
 }

@@ -1,6 +1,7 @@
 //! How high the ground between the ridges may be.
 
 use super::crest::Crest;
+use super::form::Graded;
 use super::membrane::stretch;
 use super::skeleton::Skeleton;
 
@@ -31,7 +32,7 @@ impl Ceiling {
             || nearest(&tops_m, &is_crest, size, cell_m),
             || {
                 let mut z_m = tops_m.clone();
-                stretch(&mut z_m, &is_crest, size, cell_m, 0.0);
+                stretch(&mut z_m, &is_crest, size, cell_m, &Graded::even(0.0));
                 z_m
             },
         );
@@ -50,7 +51,7 @@ impl Ceiling {
 ///
 /// # Complexity
 /// O(n).
-fn nearest(values: &[f32], is_marked: &[bool], [rows, cols]: [usize; 2], cell_m: [f64; 2]) -> Vec<f32> {
+pub(super) fn nearest(values: &[f32], is_marked: &[bool], [rows, cols]: [usize; 2], cell_m: [f64; 2]) -> Vec<f32> {
     let [width_m, height_m] = cell_m.map(|side| side as f32);
     let slant_m = (width_m * width_m + height_m * height_m).sqrt();
     let marked = |(&value, &is_marked): (&f32, &bool)| if is_marked { (0.0, value) } else { (f32::INFINITY, value) };

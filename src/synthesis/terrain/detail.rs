@@ -1,5 +1,6 @@
 //! Roughness of the ground between ridges and valleys.
 
+use super::form::Graded;
 use crate::noise::{COLS, NoiseKind, NoiseSum, Rows, Spectrum};
 use rayon::prelude::*;
 
@@ -12,10 +13,16 @@ const STEEP: f64 = 0.5;
 
 /// Detail in metres of each cell: fractal noise whose octaves are all as steep, with `roughness` the root of the mean
 /// square of the slope of each.
-pub(super) fn detail([rows, cols]: [usize; 2], [width_m, height_m]: [f64; 2], roughness: f64, seed: u64) -> Vec<f32> {
+pub(super) fn detail(
+    [rows, cols]: [usize; 2],
+    [width_m, height_m]: [f64; 2],
+    roughness: &Graded,
+    seed: u64,
+) -> Vec<f32> {
+    let most = roughness.most();
     let mut z = vec![0.0_f32; rows * cols];
     let octaves = (COARSEST_M / (2.0 * width_m.max(height_m))).log2().ceil().max(1.0) as usize;
-    let amplitude = STEEP * roughness * COARSEST_M;
+    let amplitude = STEEP * f64::from(most) * COARSEST_M;
     let spectrum = Spectrum { octaves, amplitude, wavelength: COARSEST_M, persistence: 0.5, lacunarity: 2.0, seed };
     let noise = NoiseSum::new(NoiseKind::Fractal, spectrum.terms());
     z.par_chunks_mut((BAND * cols).max(1)).enumerate().for_each(|(band, z)| {
@@ -29,6 +36,12 @@ pub(super) fn detail([rows, cols]: [usize; 2], [width_m, height_m]: [f64; 2], ro
                 for (z, value) in line[first..].iter_mut().zip(value) {
                     *z = *value as f32;
                 }
+            }
+        }
+        if !roughness.is_even() && most > 0.0 {
+            for (row, line) in z.chunks_exact_mut(cols).enumerate() {
+                let own = roughness.row(band * BAND + row, [rows, cols]);
+                line.iter_mut().zip(&own).for_each(|(z, own)| *z *= own / most);
             }
         }
     });

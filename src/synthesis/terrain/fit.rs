@@ -1,9 +1,11 @@
 //! Slopes and plains chosen so that the terrain is as steep, and as high, as a real range.
 
+use super::form::{Form, FormMap};
 use super::ground::Ground;
 use super::likeness::{Likeness, QUANTILES};
 use super::raise::{Frame, TerrainOptions, raise_on};
 use super::skeleton::{Skeleton, Spot};
+use crate::erosion::Relief;
 use crate::error::Result;
 use crate::watch::Watch;
 
@@ -36,156 +38,204 @@ const SHORTER: f64 = 0.35;
 const SHRINK: f64 = -0.4;
 const GROW: f64 = 0.7;
 
-/// Options with the slope, the roughness, the curvature and, where the ground is known, the depth of plains with which
-/// the terrain comes out most like a range.
+/// Options with the slopes, the roughnesses, the curvatures and, where the ground is known, the depths of plains with which
+/// the terrain comes out most like some ranges: each form where it is like the range of its number in `likes`. Forms without
+/// a range stay as they are.
 ///
-/// Gauss and Newton's method, damped, on differences between quantiles of slope, and of elevation above the mean around. Terrain is tried on its middle, and on larger cells where slopes are compared on such; once it is looked at on
-/// its own cells, and by how much it is different there is taken into account from then on.
+/// Gauss and Newton's method, damped, on differences between quantiles of slope, and of elevation above the mean around.
+/// Terrain is tried on its middle, and on larger cells where slopes are compared on such; once it is looked at on
+/// its own cells, and by how much it is different there is taken into account from then on. What one form does to the ground
+/// of another is taken for nothing, so that all are tried at once.
 ///
 /// # Errors
 /// As [`raise`](super::raise()).
+///
+/// # Panics
+/// As [`raise`](super::raise()); when there is not one entry a form.
 pub fn fit(
     skeleton: &Skeleton,
     options: &TerrainOptions,
     free: Free,
-    like: &Likeness,
+    likes: &[Option<&Likeness>],
     watch: &Watch,
 ) -> Result<TerrainOptions> {
     skeleton.check()?;
-    let Some(steep) = like.slopes.get(3 * QUANTILES / 4).map(|slope| slope.to_radians().tan()) else {
+    assert_eq!(options.forms.len(), likes.len(), "one entry a form");
+    let likes: Vec<Option<&Likeness>> = likes.iter().map(|like| like.filter(|like| !like.slopes.is_empty())).collect();
+    let Some(least_m) = likes.iter().flatten().map(|like| like.cell_m).reduce(f64::min) else {
         return Ok(options.clone());
     };
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, and no larger than a cell")]
-    let step = (SHARE * like.cell_m / skeleton.cell_m[0].max(skeleton.cell_m[1])).max(1.0) as usize;
+    let step = (SHARE * least_m / skeleton.cell_m[0].max(skeleton.cell_m[1])).max(1.0) as usize;
     let window = WINDOW * step;
-    let slope = if free.slope { 0.8 * steep } else { options.slope };
-    let curvature = if free.curvature { 0.002 * slope } else { options.curvature };
-    let mut shape = Shape { slope, depth: options.depth, roughness: options.roughness, curvature };
+    let begun = |(form, like): (&Form, &Option<&Likeness>)| {
+        let Some(like) = like else { return *form };
+        let steep = like.slopes[3 * QUANTILES / 4].to_radians().tan();
+        let slope = if free.slope { 0.8 * steep } else { form.slope };
+        let curvature = if free.curvature { 0.002 * slope } else { form.curvature };
+        Form { slope, curvature, ..*form }
+    };
+    let mut forms: Vec<Form> = options.forms.iter().zip(&likes).map(begun).collect();
     let choice: Vec<usize> = [free.slope, options.ground.is_some(), free.roughness, free.curvature]
         .iter()
         .enumerate()
         .filter_map(|(number, is_free)| is_free.then_some(number))
         .collect();
-    let coarse = middle(skeleton, options.ground.as_ref(), window, step);
-    let coarse = Trials::of(&coarse, options, like, watch);
+    let coarse = Part::middle(skeleton, options, window, step);
+    let coarse = Trials::of(&coarse, options, &likes, watch);
     watch.begin("choosing slopes", 2 * (ROUNDS * (choice.len() + 1) + 1) as u64);
     let mut apart;
-    (shape, apart) = coarse.descend(shape, &choice, &[])?;
+    (forms, apart) = coarse.descend(forms, &choice, &vec![vec![]; likes.len()])?;
     if step > 1 {
-        let fine = middle(skeleton, options.ground.as_ref(), window, 1);
-        let there = Trials::of(&fine, options, like, watch).apart(shape)?;
-        apart.iter_mut().zip(&there).for_each(|(here, there)| *here = there - *here);
-        (shape, _) = coarse.descend(shape, &choice, &apart)?;
+        let fine = Part::middle(skeleton, options, window, 1);
+        let there = Trials::of(&fine, options, &likes, watch).apart(&forms)?;
+        for (apart, there) in apart.iter_mut().zip(&there) {
+            apart.iter_mut().zip(there).for_each(|(here, there)| *here = there - *here);
+        }
+        (forms, _) = coarse.descend(forms, &choice, &apart)?;
     }
-    Ok(shape.on(options))
+    Ok(with(forms, options))
 }
 
 /// A part of the terrain on which options are tried.
 struct Trials<'a> {
     frame: Frame<'a>,
-    ground: Option<&'a Ground>,
+    part: &'a Part,
     options: &'a TerrainOptions,
-    like: &'a Likeness,
+    likes: &'a [Option<&'a Likeness>],
     watch: &'a Watch,
 }
 
 impl<'a> Trials<'a> {
-    fn of(
-        (part, ground): &'a (Skeleton, Option<Ground>),
-        options: &'a TerrainOptions,
-        like: &'a Likeness,
-        watch: &'a Watch,
-    ) -> Self {
-        Self { frame: Frame::of(part), ground: ground.as_ref(), options, like, watch }
+    fn of(part: &'a Part, options: &'a TerrainOptions, likes: &'a [Option<&'a Likeness>], watch: &'a Watch) -> Self {
+        Self { frame: Frame::of(&part.skeleton), part, options, likes, watch }
     }
 
-    /// What is different from the range, and from the ground.
-    fn apart(&self, shape: Shape) -> Result<Vec<f64>> {
-        let options = TerrainOptions { ground: self.ground.cloned(), ..shape.on(self.options) };
+    /// What is different from each range, and from the ground there; nothing where there is no such range.
+    fn apart(&self, forms: &[Form]) -> Result<Vec<Vec<f64>>> {
+        let Part { ground, form_map, .. } = self.part;
+        let options = with(forms.to_vec(), self.options);
+        let options = TerrainOptions { ground: ground.clone(), form_map: form_map.clone(), ..options };
         let relief = raise_on(&self.frame, &options, &|| self.watch.check())?;
         self.watch.advance(1)?;
-        let own = self.like.same(&relief);
-        let mut apart = differences(&own.slopes, &self.like.slopes, SLOPE);
-        apart.extend(differences(&own.reliefs_m, &self.like.reliefs_m, MEAN_M));
-        if let Some(ground) = self.ground {
-            let mean = |z_m: &[f32]| z_m.iter().map(|&z| f64::from(z)).sum::<f64>() / z_m.len() as f64;
-            apart.push(softened((mean(relief.z_m()) - mean(&ground.z_m)) / MEAN_M));
-        }
-        Ok(apart)
+        Ok((0..forms.len()).map(|form| self.apart_from(form, &relief)).collect())
     }
 
-    /// Goes on from a shape to where the least is different, `offset` being added to the differences; returns those
-    /// without it, too.
-    fn descend(&self, mut best: Shape, choice: &[usize], offset: &[f64]) -> Result<(Shape, Vec<f64>)> {
-        let squares = |apart: &[f64]| -> f64 {
-            let offset = offset.iter().chain(std::iter::repeat(&0.0));
-            apart.iter().zip(offset).map(|(apart, offset)| (apart + offset).powi(2)).sum()
+    fn apart_from(&self, form: usize, relief: &Relief) -> Vec<f64> {
+        let (Some(like), Part { ground, form_map, .. }) = (self.likes[form], self.part) else { return vec![] };
+        let size = [relief.rows(), relief.cols()];
+        let is_own =
+            |cell: usize| form_map.as_ref().is_none_or(|map| map.at([cell / size[1], cell % size[1]], size) == form);
+        let own_m: Option<Vec<f32>> = form_map.as_ref().map(|_| {
+            relief.z_m().iter().enumerate().map(|(cell, &z)| if is_own(cell) { z } else { f32::NAN }).collect()
+        });
+        let z_m = own_m.as_deref().unwrap_or(relief.z_m());
+        let own = Likeness::of(z_m, size, relief.cell_m().map(f64::from), like.cell_m);
+        let mut apart = differences(&own.slopes, &like.slopes, SLOPE);
+        apart.extend(differences(&own.reliefs_m, &like.reliefs_m, MEAN_M));
+        if let Some(ground) = ground {
+            let mean = |z_m: &[f32]| {
+                let known = z_m.iter().filter(|z| !z.is_nan());
+                known.clone().map(|&z| f64::from(z)).sum::<f64>() / known.count().max(1) as f64
+            };
+            let own_ground = |(block, &z): (usize, &f32)| {
+                let at = [block / ground.size[1], block % ground.size[1]];
+                let is_own = form_map.as_ref().is_none_or(|map| map.at(at, ground.size) == form);
+                is_own.then_some(z)
+            };
+            let own_ground: Vec<f32> = ground.z_m.iter().enumerate().filter_map(own_ground).collect();
+            let off_m = if own_ground.is_empty() { 0.0 } else { mean(z_m) - mean(&own_ground) };
+            apart.push(softened(off_m / MEAN_M));
+        }
+        apart
+    }
+
+    /// Goes on from forms to where the least is different, `offsets` being added to the differences; returns those
+    /// without them, too.
+    fn descend(
+        &self,
+        mut best: Vec<Form>,
+        choice: &[usize],
+        offsets: &[Vec<f64>],
+    ) -> Result<(Vec<Form>, Vec<Vec<f64>>)> {
+        let added = |form: usize, apart: &[f64]| -> Vec<f64> {
+            let offset = offsets[form].iter().chain(std::iter::repeat(&0.0));
+            apart.iter().zip(offset).map(|(apart, offset)| apart + offset).collect()
         };
-        let mut apart = self.apart(best)?;
+        let squares = |form: usize, apart: &[f64]| added(form, apart).iter().map(|apart| apart.powi(2)).sum::<f64>();
+        let mut apart = self.apart(&best)?;
+        // Forms that come closer still.
+        let mut moving: Vec<usize> = (0..best.len()).filter(|&form| !apart[form].is_empty()).collect();
         for _ in 0..ROUNDS {
-            let mut slopes = vec![];
-            for &number in choice {
-                let probed = self.apart(best.changed(number, PROBE))?;
-                slopes
-                    .push(probed.iter().zip(&apart).map(|(there, here)| (there - here) / PROBE).collect::<Vec<f64>>());
+            if moving.is_empty() {
+                break;
             }
-            let values: Vec<f64> =
-                apart.iter().zip(offset.iter().chain(std::iter::repeat(&0.0))).map(|(a, b)| a + b).collect();
-            let step = newton(&slopes, &values);
+            let mut slopes: Vec<Vec<Vec<f64>>> = vec![vec![]; best.len()];
+            for &number in choice {
+                let mut probed = best.clone();
+                moving.iter().for_each(|&form| probed[form] = changed(probed[form], number, PROBE));
+                for (slopes, (there, here)) in slopes.iter_mut().zip(self.apart(&probed)?.iter().zip(&apart)) {
+                    slopes.push(there.iter().zip(here).map(|(there, here)| (there - here) / PROBE).collect());
+                }
+            }
+            let step = |&form: &usize| newton(&slopes[form], &added(form, &apart[form]));
+            let steps: Vec<Vec<f64>> = moving.iter().map(step).collect();
             let mut length = 1.0;
-            let mut found = None;
+            let mut better: Vec<Option<Vec<f64>>> = vec![None; moving.len()];
+            let mut tried = best.clone();
             for _ in 0..STEPS {
-                let change = |shape: Shape, (&number, change): (&usize, &f64)| {
-                    shape.changed(number, (change * length).clamp(SHRINK, GROW))
-                };
-                let tried = choice.iter().zip(&step).fold(best, change);
-                let there = self.apart(tried)?;
-                if squares(&there) < squares(&apart) {
-                    found = Some((tried, there));
+                for ((&form, step), _) in moving.iter().zip(&steps).zip(&better).filter(|(_, better)| better.is_none())
+                {
+                    let change = |own: Form, (&number, change): (&usize, &f64)| {
+                        changed(own, number, (change * length).clamp(SHRINK, GROW))
+                    };
+                    tried[form] = choice.iter().zip(step).fold(best[form], change);
+                }
+                let there = self.apart(&tried)?;
+                for (&form, better) in moving.iter().zip(&mut better).filter(|(_, better)| better.is_none()) {
+                    if squares(form, &there[form]) < squares(form, &apart[form]) {
+                        *better = Some(there[form].clone());
+                    }
+                }
+                if better.iter().all(Option::is_some) {
                     break;
                 }
                 length *= SHORTER;
             }
-            let Some(better) = found else { break };
-            (best, apart) = better;
+            let found = moving.iter().zip(better).filter_map(|(&form, better)| Some((form, better?)));
+            moving = found
+                .map(|(form, better)| {
+                    (best[form], apart[form]) = (tried[form], better);
+                    form
+                })
+                .collect();
         }
         Ok((best, apart))
     }
 }
 
-/// What is chosen.
-#[derive(Clone, Copy)]
-struct Shape {
-    slope: f64,
-    depth: f64,
-    roughness: f64,
-    curvature: f64,
+/// A form with one of its numbers made larger by a share of it.
+fn changed(mut form: Form, number: usize, share: f64) -> Form {
+    let (value, least, most) = match number {
+        0 => (&mut form.slope, 0.01, 3.0),
+        1 => (&mut form.depth, 0.1, 2.0),
+        2 => (&mut form.roughness, 0.02, 1.0),
+        _ => (&mut form.curvature, 1e-5, 1e-2),
+    };
+    *value = (*value * (1.0 + share)).clamp(least, most);
+    form
 }
 
-impl Shape {
-    /// One of the numbers made larger by a share of it.
-    fn changed(mut self, number: usize, share: f64) -> Self {
-        let (value, least, most) = match number {
-            0 => (&mut self.slope, 0.01, 3.0),
-            1 => (&mut self.depth, 0.1, 2.0),
-            2 => (&mut self.roughness, 0.02, 1.0),
-            _ => (&mut self.curvature, 1e-5, 1e-2),
-        };
-        *value = (*value * (1.0 + share)).clamp(least, most);
-        self
-    }
-
-    /// The options with this shape, rounded: the last bits of a tangent may differ from machine to machine.
-    fn on(self, options: &TerrainOptions) -> TerrainOptions {
-        let rounded = |value: f64, parts: f64| (value * parts).round() / parts;
-        TerrainOptions {
-            slope: rounded(self.slope, 1e3),
-            depth: rounded(self.depth, 1e3),
-            roughness: rounded(self.roughness, 1e3),
-            curvature: rounded(self.curvature, 1e6),
-            ..options.clone()
-        }
-    }
+/// The options with these forms, rounded: the last bits of a tangent may differ from machine to machine.
+fn with(forms: Vec<Form>, options: &TerrainOptions) -> TerrainOptions {
+    let rounded = |value: f64, parts: f64| (value * parts).round() / parts;
+    let round = |form: Form| Form {
+        slope: rounded(form.slope, 1e3),
+        depth: rounded(form.depth, 1e3),
+        roughness: rounded(form.roughness, 1e3),
+        curvature: rounded(form.curvature, 1e6),
+    };
+    TerrainOptions { forms: forms.into_iter().map(round).collect(), ..options.clone() }
 }
 
 /// Differences as shares of a unit, all of them together counting as one.
@@ -231,12 +281,30 @@ fn newton(slopes: &[Vec<f64>], values: &[f64]) -> Vec<f64> {
     step
 }
 
-/// The middle of a skeleton and of its ground, at most `window` rows and columns, on cells `step` times as wide and high.
-fn middle(skeleton: &Skeleton, ground: Option<&Ground>, window: usize, step: usize) -> (Skeleton, Option<Ground>) {
-    let fine = skeleton.size.map(|count| count.min(window));
+/// A part of the terrain, maybe on larger cells.
+struct Part {
+    skeleton: Skeleton,
+    ground: Option<Ground>,
+    form_map: Option<FormMap>,
+}
+
+impl Part {
+    /// The middle of a skeleton and of what options say of places, at most `window` rows and columns, on cells `step` times
+    /// as wide and high.
+    fn middle(skeleton: &Skeleton, options: &TerrainOptions, window: usize, step: usize) -> Self {
+        let size = skeleton.size.map(|count| count.min(window));
+        let first = [0, 1].map(|k| (skeleton.size[k] - size[k]) / 2);
+        Self {
+            skeleton: window_of(skeleton, first, size, step),
+            ground: options.ground.as_ref().map(|ground| ground.part(skeleton.size, first, size)),
+            form_map: options.form_map.as_ref().map(|map| map.part(skeleton.size, first, size)),
+        }
+    }
+}
+
+/// A window of a skeleton: from a row and a column, of so many rows and columns, on cells `step` times as wide and high.
+fn window_of(skeleton: &Skeleton, first: [usize; 2], fine: [usize; 2], step: usize) -> Skeleton {
     let size = fine.map(|count| count.div_ceil(step));
-    let first = [0, 1].map(|k| (skeleton.size[k] - fine[k]) / 2);
-    let ground = ground.map(|ground| ground.part(skeleton.size, first, fine));
     // Ridges that leave the window end there: a peak or saddle outside of it is none.
     let moved = |spots: &[Spot]| -> (Vec<Spot>, Vec<Option<u32>>) {
         let mut kept = vec![];
@@ -265,7 +333,7 @@ fn middle(skeleton: &Skeleton, ground: Option<&Ground>, window: usize, step: usi
         numbers.is_some()
     });
     let cell_m = skeleton.cell_m.map(|side| side * step as f64);
-    (Skeleton { size, cell_m, peaks, saddles, ridges }, ground)
+    Skeleton { size, cell_m, peaks, saddles, ridges }
 }
 
 #[cfg(test)]
@@ -296,11 +364,12 @@ mod tests {
             saddles: vec![Spot { elevation_m: 50.0, ..spot(4, 4) }],
             ridges: vec![RidgeLine { saddle: 0, peak: 1, points: vec![[4.0, 4.0], [5.5, 3.5]] }],
         };
-        let (part, ground) = middle(&skeleton, None, 100, 2);
-        assert!(ground.is_none());
+        let middle = |step: usize| Part::middle(&skeleton, &TerrainOptions::default(), 100, step);
+        let Part { skeleton: part, ground, form_map } = middle(2);
+        assert!(ground.is_none() && form_map.is_none());
         assert_eq!((part.size, part.cell_m), ([5, 4], [20.0, 40.0]));
         assert_eq!([(part.peaks[0].row, part.peaks[0].col), (part.peaks[1].row, part.peaks[1].col)], [(4, 0), (1, 2)]);
         assert_eq!(part.ridges[0].points, [[1.75, 1.75], [2.5, 1.5]]);
-        assert_eq!(middle(&skeleton, None, 100, 1).0, skeleton);
+        assert_eq!(middle(1).skeleton, skeleton);
     }
 }

@@ -27,16 +27,7 @@ impl Ground {
     /// The elevation in metres at a place of the raster, `at` being the shares of its height and width that lie before:
     /// bilinear between the centres of the blocks.
     pub(super) fn at(&self, at: [f64; 2]) -> f32 {
-        let [rows, cols] = self.size;
-        let part = |at: f64, count: usize| {
-            let at = (at * count as f64 - 0.5).clamp(0.0, count as f64 - 1.0);
-            let first = (at as usize).min(count.saturating_sub(2));
-            (first, (at - first as f64) as f32)
-        };
-        let ((row, down), (col, right)) = (part(at[0], rows), part(at[1], cols));
-        let z = |row: usize, col: usize| self.z_m[row.min(rows - 1) * cols + col.min(cols - 1)];
-        let line = |row: usize| z(row, col) + right * (z(row, col + 1) - z(row, col));
-        line(row) + down * (line(row + 1) - line(row))
+        between(&self.z_m, self.size, at)
     }
 
     /// The ground under a window of the raster: from a row and column, of so many rows and columns.
@@ -70,6 +61,20 @@ impl Ground {
         };
         Self { size: self.size, z_m: self.z_m.iter().enumerate().map(raised).collect() }
     }
+}
+
+/// The value of blocks at a place, `at` being the shares of their height and width that lie before: bilinear between their
+/// centres.
+pub(super) fn between(values: &[f32], [rows, cols]: [usize; 2], at: [f64; 2]) -> f32 {
+    let part = |at: f64, count: usize| {
+        let at = (at * count as f64 - 0.5).clamp(0.0, count as f64 - 1.0);
+        let first = (at as usize).min(count.saturating_sub(2));
+        (first, (at - first as f64) as f32)
+    };
+    let ((row, down), (col, right)) = (part(at[0], rows), part(at[1], cols));
+    let value = |row: usize, col: usize| values[row.min(rows - 1) * cols + col.min(cols - 1)];
+    let line = |row: usize| value(row, col) + right * (value(row, col + 1) - value(row, col));
+    line(row) + down * (line(row + 1) - line(row))
 }
 
 /// Blocks of which one mean is corrected, in each direction.

@@ -2,6 +2,7 @@
 
 use super::ceiling::Ceiling;
 use super::crest::Crest;
+use super::form::Graded;
 use super::skeleton::Skeleton;
 use crate::erosion::{Relief, fill};
 use crate::error::Result;
@@ -16,13 +17,22 @@ const RIM_M: f32 = 1e6;
 
 /// Lays detail on ground that is stretched between ridges and valleys, `clear_m` metres from them, and keeps it below the
 /// peaks of the ridges beside.
-pub(super) fn hilly(z_m: &mut [f32], clear_m: &[f32], detail_m: &[f32], ceiling: &Ceiling, cols: usize, slope: f64) {
+pub(super) fn hilly(
+    z_m: &mut [f32],
+    clear_m: &[f32],
+    detail_m: &[f32],
+    ceiling: &Ceiling,
+    size: [usize; 2],
+    slope: &Graded,
+) {
+    let cols = size[1];
     let rows = z_m.par_chunks_mut(cols).zip(clear_m.par_chunks(cols)).zip(detail_m.par_chunks(cols));
     rows.enumerate().for_each(|(row, ((line, clear_m), detail_m))| {
+        let slopes = slope.row(row, size);
         for (col, ((z, &clear_m), &detail_m)) in line.iter_mut().zip(clear_m).zip(detail_m).enumerate() {
             if clear_m > 0.0 && clear_m.is_finite() {
                 // The nearer to what stands fast the less detail there is.
-                let most_m = slope as f32 * clear_m;
+                let most_m = slopes[col] * clear_m;
                 let own_m = detail_m * most_m / (most_m + detail_m.abs());
                 *z = (*z + own_m).min(ceiling.at(row, col) - BELOW_M);
             }

@@ -1,7 +1,6 @@
 //! How steep a range is, and how high above and below the mean around.
 
 use super::ground::Ground;
-use crate::erosion::Relief;
 use rayon::prelude::*;
 
 /// How steep a range is, and how high above and below the mean around.
@@ -54,11 +53,6 @@ impl Likeness {
             slopes: quantiles(slopes).into_iter().map(steep).collect(),
             reliefs_m: quantiles(reliefs_m),
         }
-    }
-
-    /// That of a terrain on cells as large as these.
-    pub(super) fn same(&self, relief: &Relief) -> Self {
-        Self::of(relief.z_m(), [relief.rows(), relief.cols()], relief.cell_m().map(f64::from), self.cell_m)
     }
 
     /// Mean distance in degrees between the slopes of two ranges, from the least to the greatest.

@@ -1,5 +1,6 @@
 //! Ground stretched between what stands fast.
 
+use super::form::Graded;
 use rayon::prelude::*;
 
 /// Sweeps over the cells of each level.
@@ -19,7 +20,7 @@ pub(super) fn stretch(
     is_fast: &[bool],
     [rows, cols]: [usize; 2],
     cell_m: [f64; 2],
-    curvature: f64,
+    curvature: &Graded,
 ) {
     if rows == 0 || cols == 0 || !is_fast.contains(&true) {
         return;
@@ -35,14 +36,21 @@ pub(super) fn stretch(
         });
     }
     let [across, down] = cell_m.map(|side| 1.0 / (side * side));
-    let parts = [across, down, curvature].map(|part| (part / (2.0 * (across + down))) as f32);
+    let parts = [across, down].map(|part| (part / (2.0 * (across + down))) as f32);
+    let lift = (1.0 / (2.0 * (across + down))) as f32;
+    // One row for all where they are alike.
+    let known = if curvature.is_even() { 1 } else { rows };
+    let lifts_m: Vec<f32> = (0..known)
+        .into_par_iter()
+        .flat_map_iter(|row| curvature.row(row, [rows, cols]).into_iter().map(|value| value * lift))
+        .collect();
     let mut next = z_m.clone();
     for _ in 0..SWEEPS {
         let now = &z_m[..];
         next.par_chunks_mut(cols).zip(is_fast.par_chunks(cols)).enumerate().for_each(|(row, (line, is_fast))| {
             let [above, own, below] =
                 [row.saturating_sub(1), row, (row + 1).min(rows - 1)].map(|row| &now[row * cols..][..cols]);
-            relax(line, own, [above, below], is_fast, parts);
+            relax(line, own, [above, below], is_fast, parts, &lifts_m[row % known * cols..][..cols]);
         });
         std::mem::swap(z_m, &mut next);
     }
@@ -54,13 +62,15 @@ fn relax(
     own: &[f32],
     [above, below]: [&[f32]; 2],
     is_fast: &[bool],
-    [across, down, lift_m]: [f32; 3],
+    [across, down]: [f32; 2],
+    lifts_m: &[f32],
 ) {
     let last = own.len() - 1;
-    let mean =
-        |left: f32, right: f32, above: f32, below: f32| across * (left + right) + down * (above + below) + lift_m;
+    let mean = |left: f32, right: f32, above: f32, below: f32, lift_m: f32| {
+        across * (left + right) + down * (above + below) + lift_m
+    };
     for col in [0, last] {
-        let z = mean(own[col.saturating_sub(1)], own[(col + 1).min(last)], above[col], below[col]);
+        let z = mean(own[col.saturating_sub(1)], own[(col + 1).min(last)], above[col], below[col], lifts_m[col]);
         line[col] = if is_fast[col] { own[col] } else { z };
     }
     // Slices of one length, so that several cells are worked on at once.
@@ -68,8 +78,9 @@ fn relax(
     let (left, right, middle) = (&own[..inside], &own[last.min(2)..][..inside], &own[last.min(1)..][..inside]);
     let [above, below] = [above, below].map(|row| &row[last.min(1)..][..inside]);
     let (line, is_fast) = (&mut line[last.min(1)..][..inside], &is_fast[last.min(1)..][..inside]);
+    let lifts_m = &lifts_m[last.min(1)..][..inside];
     for i in 0..inside {
-        let z = mean(left[i], right[i], above[i], below[i]);
+        let z = mean(left[i], right[i], above[i], below[i], lifts_m[i]);
         line[i] = if is_fast[i] { middle[i] } else { z };
     }
 }

@@ -11,7 +11,8 @@
 //! 5. `hills`: detail is laid on; where that is wanted, rivers wear the ground down (`erode`); what stands by itself is
 //!    shaved, and what would hold water is opened once more.
 //!
-//! How steep, deep, rough and round all this is [`fit`](fn@fit) chooses so that the terrain is like a range ([`Likeness`]).
+//! How steep, deep, rough and round all this is ([`Form`]), the same everywhere or here and there another ([`FormMap`]),
+//! [`fit`](fn@fit) chooses so that the terrain is like a range ([`Likeness`]).
 //!
 //! From both sides of a saddle a valley leads out of the terrain, nowhere higher than the saddle. The two cut the terrain
 //! in two along the tree's cut there, so whoever goes from one part into the other must come as low as the saddle, and
@@ -27,6 +28,7 @@ mod detail;
 mod envelope;
 mod erode;
 mod fit;
+mod form;
 mod ground;
 mod heights;
 mod hills;
@@ -40,6 +42,7 @@ mod valleys;
 mod water;
 
 pub use fit::{Free, fit};
+pub use form::{Form, FormMap};
 pub use ground::Ground;
 pub use likeness::Likeness;
 pub use raise::{Raised, TerrainOptions, raise};

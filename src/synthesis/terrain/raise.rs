@@ -5,6 +5,7 @@ use super::crest::Crest;
 use super::detail::detail;
 use super::envelope::distance;
 use super::erode::erode;
+use super::form::{Form, FormMap, Graded};
 use super::ground::Ground;
 use super::hills::{hilly, shaved};
 use super::membrane::stretch;
@@ -20,19 +21,15 @@ use rayon::prelude::*;
 /// How terrain is raised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TerrainOptions {
-    /// Slope of the ground that hangs from the crests, rise over run: valleys become so deep.
-    pub slope: f64,
-    /// Slope of the detail of each wavelength, rise over run, in the mean.
-    pub roughness: f64,
-    /// How much the slope of the ground between ridges and valleys changes per metre: hills grow round.
-    pub curvature: f64,
+    /// How the ground is formed: at least one way.
+    pub forms: Vec<Form>,
+    /// Which form it has where; the first everywhere unless given.
+    pub form_map: Option<FormMap>,
     /// How much rivers wear the ground down once it is raised: the stream power law's factor times its time, for all
     /// steps, per metre of the square root of the drained area; 0 for nothing.
     pub erosion: f64,
     /// How high the land is in the mean, if that is known.
     pub ground: Option<Ground>,
-    /// Share of the depth of the plains below the ground that is theirs alone: valleys take some part.
-    pub depth: f64,
     /// Elevation of plains in metres where no ground is known.
     pub floor_m: f64,
     /// Equal seeds give equal detail.
@@ -41,16 +38,14 @@ pub struct TerrainOptions {
 
 impl Default for TerrainOptions {
     fn default() -> Self {
-        Self {
-            slope: 0.5,
-            roughness: 0.2,
-            curvature: 5e-4,
-            erosion: 0.0,
-            ground: None,
-            depth: 0.75,
-            floor_m: 0.0,
-            seed: 0,
-        }
+        Self { forms: vec![Form::default()], form_map: None, erosion: 0.0, ground: None, floor_m: 0.0, seed: 0 }
+    }
+}
+
+impl TerrainOptions {
+    /// A number of the forms, as it changes from place to place.
+    pub(super) fn graded(&self, number: impl Fn(&Form) -> f64) -> Graded {
+        Graded::of(&self.forms, self.form_map.as_ref(), number)
     }
 }
 
@@ -80,10 +75,15 @@ const CORRECTION: f32 = 1.5;
 /// # Errors
 /// A skeleton with a fault, a raster of more than 2^32 cells, or a cancelled job.
 ///
+/// # Panics
+/// Without a form, or with a map of more forms than there are.
+///
 /// # Complexity
 /// O(n) for n cells, and O(b log b) for the b pairs of neighbours on the borders between depressions.
 pub fn raise(skeleton: &Skeleton, options: &TerrainOptions, watch: &Watch) -> Result<Raised> {
     skeleton.check()?;
+    let last = options.form_map.as_ref().map_or(0, FormMap::last);
+    assert!(last < options.forms.len(), "form {last} of {}", options.forms.len());
     let frame = Frame::of(skeleton);
     watch.begin("raising terrain", if options.ground.is_some() { 2 * STEPS } else { STEPS });
     Ok(Raised { relief: raise_on(&frame, options, &|| watch.advance(1))?, crossings: frame.crest.crossings })
@@ -119,26 +119,27 @@ pub(super) fn raise_on(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn F
 fn raise_once(frame: &Frame<'_>, options: &TerrainOptions, done: &dyn Fn() -> Result<()>) -> Result<Relief> {
     let Frame { skeleton, crest, ceiling, foot_m } = frame;
     let (size, cell_m) = (skeleton.size, skeleton.cell_m);
-    let (mut rough_m, detail_m) = rayon::join(
-        || surface(skeleton, crest, ceiling, options),
-        || detail(size, cell_m, options.roughness, options.seed),
-    );
+    let [slope, roughness, curvature] =
+        [|form: &Form| form.slope, |form: &Form| form.roughness, |form: &Form| form.curvature]
+            .map(|number| options.graded(number));
+    let (mut rough_m, detail_m) =
+        rayon::join(|| surface(skeleton, crest, ceiling, options), || detail(size, cell_m, &roughness, options.seed));
     done()?;
     rough_m.par_iter_mut().zip(&detail_m).for_each(|(z, detail)| *z += detail);
     let drainage = ways(&rough_m, foot_m, crest, skeleton)?;
     done()?;
-    let valleys =
-        ValleyOptions { least_m2: VALLEY_M2, rise_m: (HEAD * options.slope * cell_m[0].max(cell_m[1])) as f32 };
+    let rise_m = (HEAD * cell_m[0].max(cell_m[1])) as f32;
+    let valleys = ValleyOptions { least_m2: VALLEY_M2, slope: &slope, rise_m };
     let mut fast = carve(skeleton, crest, rough_m, &drainage, valleys);
     drop(drainage);
     done()?;
     let ((), clear_m) = rayon::join(
-        || stretch(&mut fast.z_m, &fast.is_fast, size, cell_m, options.curvature),
+        || stretch(&mut fast.z_m, &fast.is_fast, size, cell_m, &curvature),
         || distance(&fast.is_fast, size, cell_m),
     );
     done()?;
     let mut z_m = fast.z_m;
-    hilly(&mut z_m, &clear_m, &detail_m, ceiling, size[1], options.slope);
+    hilly(&mut z_m, &clear_m, &detail_m, ceiling, size, &slope);
     drop(detail_m);
     if options.erosion > 0.0 {
         erode(&mut z_m, &clear_m, size, cell_m, options.erosion)?;

@@ -3,6 +3,7 @@
 use super::ceiling::Ceiling;
 use super::crest::Crest;
 use super::envelope::envelope;
+use super::form::Graded;
 use super::raise::TerrainOptions;
 use super::skeleton::Skeleton;
 use rayon::prelude::*;
@@ -19,7 +20,8 @@ const BELOW_M: f32 = 15.0;
 /// are level.
 pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling: &Ceiling, options: &TerrainOptions) -> Vec<f32> {
     let [rows, cols] = skeleton.size;
-    let mut z_m = envelope(&crest.z_m, skeleton.size, skeleton.cell_m, options.slope);
+    let slope = options.graded(|form| form.slope);
+    let mut z_m = envelope(&crest.z_m, skeleton.size, skeleton.cell_m, &slope);
     let Some(ground) = &options.ground else {
         let floor_m = options.floor_m as f32;
         z_m.par_chunks_mut(cols).enumerate().for_each(|(row, line)| {
@@ -35,10 +37,12 @@ pub(super) fn surface(skeleton: &Skeleton, crest: &Crest, ceiling: &Ceiling, opt
             *plain = ground.at([(row as f64 + 0.5) / rows as f64, (col as f64 + 0.5) / cols as f64]);
         }
     });
-    let depth_m = depth_m(&z_m, &plain_m, cols) * options.depth as f32;
+    let depth_m = depth_m(&z_m, &plain_m, cols);
+    let shares: Graded = options.graded(|form| form.depth);
     z_m.par_chunks_mut(cols).zip(plain_m.par_chunks(cols)).enumerate().for_each(|(row, (line, plain_m))| {
+        let shares = shares.row(row, [rows, cols]);
         for (col, (z, plain)) in line.iter_mut().zip(plain_m).enumerate() {
-            *z = lifted(*z, (plain - depth_m).min(ceiling.at(row, col) - BELOW_M));
+            *z = lifted(*z, (plain - depth_m * shares[col]).min(ceiling.at(row, col) - BELOW_M));
         }
     });
     z_m

@@ -1,6 +1,7 @@
 //! Valleys between the ridges, carved until they fall all the way out.
 
 use super::crest::Crest;
+use super::form::Graded;
 use super::skeleton::Skeleton;
 use crate::erosion::Drainage;
 
@@ -23,10 +24,12 @@ pub(super) struct Fast {
 
 /// How valleys are carved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ValleyOptions {
+pub(super) struct ValleyOptions<'a> {
     /// A valley begins where so many square metres drain.
     pub(super) least_m2: f64,
-    /// How far a valley's floor may rise from a cell to the next beside it, in metres.
+    /// Slope of the ground around.
+    pub(super) slope: &'a Graded,
+    /// How far a valley's floor may rise from a cell to the next beside it, in metres, where that slope is 1.
     pub(super) rise_m: f32,
 }
 
@@ -38,7 +41,7 @@ pub(super) fn carve(
     crest: &Crest,
     surface_m: Vec<f32>,
     drainage: &Drainage,
-    options: ValleyOptions,
+    options: ValleyOptions<'_>,
 ) -> Fast {
     let cols = skeleton.size[1];
     let areas = drainage.areas_cells();
@@ -83,7 +86,8 @@ pub(super) fn carve(
         let (mut least_m, mut most_m) = (f32::NEG_INFINITY, f32::INFINITY);
         if let Some(below) = receiver {
             let is_slant = below / cols != cell / cols && below % cols != cell % cols;
-            let rise_m = options.rise_m * if is_slant { std::f32::consts::SQRT_2 } else { 1.0 };
+            let own_m = options.rise_m * options.slope.at([cell / cols, cell % cols], skeleton.size);
+            let rise_m = own_m * if is_slant { std::f32::consts::SQRT_2 } else { 1.0 };
             (least_m, most_m) = (floor[below], floor[below] + rise_m);
         }
         floor[cell] = floor[cell].min(most_m).max(least_m).min(limit[cell]);
