@@ -19,6 +19,8 @@ pub(super) struct Role {
     pub(super) isolation_m: f64,
     /// Azimuth of that peak in degrees clockwise from north.
     pub(super) azimuth: f64,
+    /// By how much that peak is higher, in metres, where the range tells.
+    pub(super) rise_m: Option<f64>,
     /// Number of the range that it is like, from 0.
     pub(super) kind: usize,
     /// What is fixed of it, where it is kept.
@@ -71,11 +73,13 @@ pub(super) fn cast(target: &Target, kind: usize, count: usize, with_highest: boo
     // Statistics without directions have peaks in all of them.
     azimuths.resize_with(n, || rng.between(0.0, 360.0));
     rng.shuffle(&mut azimuths);
+    let rises = rises(target, &isolations);
     let role = |i: usize| Role {
         elevation_m: elevations[i],
         prominence_m: prominences[i],
         isolation_m: isolations[i],
         azimuth: azimuths[i],
+        rise_m: rises[i],
         kind,
         kept: None,
     };
@@ -85,10 +89,23 @@ pub(super) fn cast(target: &Target, kind: usize, count: usize, with_highest: boo
         prominence_m: elevation_m,
         isolation_m: f64::INFINITY,
         azimuth: 0.0,
+        rise_m: None,
         kind,
         kept: None,
     }));
     roles
+}
+
+/// By how much the nearest higher peak is higher, for peaks of some isolations: as it is for the range's peak of the same
+/// rank.
+fn rises(target: &Target, isolations: &[f64]) -> Vec<Option<f64>> {
+    let mut order: Vec<usize> = (0..isolations.len()).collect();
+    order.sort_by(|&i, &j| isolations[i].total_cmp(&isolations[j]).then(i.cmp(&j)));
+    let mut rises = vec![None; isolations.len()];
+    for (rank, &i) in order.iter().enumerate() {
+        rises[i] = target.rises_m.get(rank * target.rises_m.len() / isolations.len()).copied();
+    }
+    rises
 }
 
 /// The class of each of `count` peaks by falling prominence.

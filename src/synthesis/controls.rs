@@ -145,7 +145,7 @@ const LOOKS: usize = 1000;
 
 /// The normal distribution's curve with a height of 1, but for a part in 50: `(1 + x² / 16)^-8` in place of the
 /// library's exponential, whose last bit differs between machines.
-fn bell(x: f64) -> f64 {
+pub(super) fn bell(x: f64) -> f64 {
     let base = 1.0 + x * x / 16.0;
     let fourth = base * base * base * base;
     1.0 / (fourth * fourth)

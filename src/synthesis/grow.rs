@@ -393,6 +393,7 @@ mod tests {
             dominance: strata.clone(),
             isolation: strata.clone(),
             direction: strata.clone(),
+            rises_m: vec![],
             classes: vec![Class { weight: 1, elevation: strata.clone(), isolation: strata }],
             peak_count: 1,
             density_per_100_km2: None,
@@ -437,7 +438,7 @@ mod tests {
             let mut roles: Vec<Role> = elevations.iter().zip(&drawn).map(|(&h, d)| {
                 let elevation_m = f64::from(h) * STEP_M;
                 let prominence_m = (elevation_m * f64::from(d.1) / 1000.0 / STEP_M).floor().max(1.0) * STEP_M;
-                Role { elevation_m, prominence_m, isolation_m: 1.0, azimuth: 0.0, kind: 0, kept: None }
+                Role { elevation_m, prominence_m, isolation_m: 1.0, azimuth: 0.0, rise_m: None, kind: 0, kept: None }
             }).collect();
             // A path through all peaks, so that the graph is in one piece, and more.
             let path = (1..n as u32).map(|i| (i - 1, i, i * 7 % 50));

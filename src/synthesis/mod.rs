@@ -3,9 +3,11 @@
 //! After Argudo et al. 2019, section 5, in four steps, each in a file of its own:
 //!
 //! 1. `cast`: elevations, prominences, dominances and isolations are drawn from their histograms ([`Target`]) stratum
-//!    by stratum, and paired so that they go together.
+//!    by stratum, and paired so that they go together; where it is known by how much nearest higher peaks are higher
+//!    ([`Target::with_rises`]), each isolation brings its own.
 //! 2. `throw`: from the highest to the lowest, each peak gets a place at its isolation from those before it, where
-//!    [`Controls`] welcome it and no ridge is barred that others need (`corridors`).
+//!    [`Controls`] welcome it, no ridge is barred that others need (`corridors`) and the nearest higher peak is about as
+//!    high as it should be.
 //! 3. `grow`: peaks end by falling key saddle, each at the cheapest ridge of the Delaunay triangulation (`ridges`) that
 //!    leads to a higher top: a spanning tree whose prominences are as drawn.
 //! 4. `saddles`: each saddle gets a place beside its ridge.

@@ -83,6 +83,7 @@ fn fixed<M: Metric + ?Sized>(kept: &Kept, weights: &Weights<'_, M>, kinds: usize
             prominence_m: peak.prominence_m.unwrap_or(f64::NAN),
             isolation_m: f64::INFINITY,
             azimuth: 0.0,
+            rise_m: None,
             kind: weights.kind(peak.place, kinds),
             kept: Some(Fixed { number, place: peak.place, ends_m }),
         }
@@ -114,9 +115,10 @@ fn distinguish(roles: &mut [Role], fixed: &[Role]) {
     }
     // Another range may have come out a little higher than the one that was expected to.
     if let Some(expected) = roles.iter().position(|role| role.isolation_m == f64::INFINITY) {
-        let Role { prominence_m, isolation_m, azimuth, .. } = roles[0];
+        let Role { prominence_m, isolation_m, azimuth, rise_m, .. } = roles[0];
         let other = &mut roles[expected];
         (other.prominence_m, other.isolation_m, other.azimuth) = (prominence_m, isolation_m, azimuth);
+        other.rise_m = rise_m;
         (roles[0].prominence_m, roles[0].isolation_m) = (roles[0].elevation_m, f64::INFINITY);
     }
 }

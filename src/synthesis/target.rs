@@ -21,6 +21,8 @@ pub struct Target {
     pub(super) isolation: Strata,
     /// Azimuth of that peak in degrees clockwise from north.
     pub(super) direction: Strata,
+    /// By how much the nearest higher peak is higher, in metres, of peaks by rising isolation; empty where nobody knows.
+    pub(super) rises_m: Vec<f64>,
     /// The classes, by falling prominence; one that holds everything where the domain has none.
     pub(super) classes: Vec<Class>,
     /// Peaks of the domain.
@@ -91,10 +93,23 @@ impl Target {
             dominance: Strata::of(whole(Measure::Dominance), 1.0),
             isolation: isolation(whole(Measure::IsolationDistance)),
             direction: Strata::of(whole(Measure::IsolationDirection), 1.0),
+            rises_m: vec![],
             classes,
             peak_count: domain.peak_count,
             density_per_100_km2: domain.density_per_100_km2,
         })
+    }
+
+    /// The same, and by how much the nearest higher peak is higher: `rises_m` holds isolations and rises of peaks, in
+    /// metres.
+    ///
+    /// Between close peaks the ground hardly falls, so a range has them at almost one elevation: if they are not, higher
+    /// ground is much nearer than the higher peak.
+    #[must_use]
+    pub fn with_rises(mut self, mut rises_m: Vec<(f64, f64)>) -> Self {
+        rises_m.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        self.rises_m = rises_m.into_iter().map(|(_, rise_m)| rise_m).collect();
+        self
     }
 
     /// How many peaks so much land has, by the domain's density; as many as the domain has where that is not known.

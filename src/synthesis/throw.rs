@@ -1,7 +1,7 @@
 //! Dart throwing: a place for every peak.
 
 use super::cast::Role;
-use super::controls::Weights;
+use super::controls::{Weights, bell};
 use super::corridors::Corridors;
 use super::extent::{Extent, compass};
 use super::target::Target;
@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::orometry::Crowd;
 use crate::rng::Rng;
 use crate::watch::Watch;
+use std::ops::Range;
 
 /// Peaks with their places, from the highest to the lowest.
 pub(super) struct Thrown {
@@ -27,10 +28,18 @@ const LOOSE: usize = 600;
 const OTHERS: usize = 200;
 /// Places that are tried for each of those.
 const OTHERS_TRIALS: usize = 20;
+/// Rises to the nearest higher peak are off by this part of themselves, and by so many metres.
+const RISE_PART: f64 = 0.2;
+const RISE_M: f64 = 5.0;
 /// No two peaks are nearer to each other, in steps between cells: there is a saddle between them.
 const LEAST_STEPS: f64 = 3.0;
 /// In the bin that begins at 0 isolations are no less than this part of its width, as those of real peaks are.
 const LEAST_PART: f64 = 0.5;
+
+/// How far off the rise to the nearest higher peak may well be, in metres.
+fn deviation_m(rise_m: f64) -> f64 {
+    RISE_PART * rise_m + RISE_M
+}
 
 /// Places peaks from the highest to the lowest.
 ///
@@ -48,13 +57,15 @@ pub(super) fn throw<M: Metric + ?Sized>(
 ) -> Result<Thrown> {
     let mut crowd = Crowd::new(extent.size(), extent.metric, roles.len());
     let mut corridors = Corridors::new(extent, roles.len());
+    let elevations_m: Vec<f64> = roles.iter().map(|role| role.elevation_m).collect();
     let mut misplaced = 0;
     watch.begin("placing peaks", roles.len() as u64);
     for i in 0..roles.len() {
         if i % 256 == 0 {
             watch.advance(256.min(roles.len() - i) as u64)?;
         }
-        let darts = Darts { targets, extent, crowd: &crowd, corridors: &corridors, weights };
+        let elevations_m = &elevations_m[..i];
+        let darts = Darts { targets, extent, crowd: &crowd, elevations_m, corridors: &corridors, weights };
         let place = match i {
             _ if roles[i].kept.is_some() => roles[i].kept.map(|kept| kept.place),
             0 => darts.anywhere(&roles[0], rng),
@@ -84,6 +95,8 @@ struct Darts<'a, M: ?Sized> {
     targets: &'a [&'a Target],
     extent: &'a Extent<'a, M>,
     crowd: &'a Crowd<'a, M>,
+    /// Of the peaks in the crowd.
+    elevations_m: &'a [f64],
     corridors: &'a Corridors<'a, M>,
     weights: &'a Weights<'a, M>,
 }
@@ -104,10 +117,11 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
             if roles[j].isolation_m >= role.isolation_m || is_other {
                 continue;
             }
-            let found = self.at(&role, roles[j].isolation_m, None, OTHERS_TRIALS, rng);
+            let other = Role { rise_m: roles[j].rise_m, ..role };
+            let found = self.at(&other, roles[j].isolation_m, None, OTHERS_TRIALS, rng);
             if found.is_some() {
-                roles[i].isolation_m = roles[j].isolation_m;
-                roles[j].isolation_m = role.isolation_m;
+                (roles[i].isolation_m, roles[i].rise_m) = (roles[j].isolation_m, roles[j].rise_m);
+                (roles[j].isolation_m, roles[j].rise_m) = (role.isolation_m, role.rise_m);
                 return found;
             }
         }
@@ -125,8 +139,13 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
         };
         let level_m = role.elevation_m - role.prominence_m;
         let mut best: Option<(f64, Place)> = None;
-        for _ in 0..trials {
-            let from = self.crowd.places()[rng.below(self.crowd.places().len() as u64) as usize];
+        let all = 0..self.elevations_m.len();
+        let fitting = self.fitting(role);
+        for trial in 0..trials {
+            // As high as it is to be one time, any the other.
+            let among = if trial % 2 == 0 { &fitting } else { &all };
+            #[allow(clippy::cast_possible_truncation, reason = "a position in memory")]
+            let from = self.crowd.places()[among.start + rng.below(among.len() as u64) as usize];
             let (east, north) = compass(azimuth.unwrap_or_else(|| rng.between(0.0, 360.0)));
             let Some(place) = self.extent.beside(from, -east * isolation_m, -north * isolation_m) else { continue };
             let weight = self.weights.at(place, role.elevation_m, role.kind);
@@ -135,16 +154,37 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
                 continue;
             }
             match self.crowd.nearest(place, from_m, to_m) {
-                Some((distance_m, _)) if distance_m >= from_m && self.corridors.are_open(place, level_m) => {
+                Some((distance_m, higher)) if distance_m >= from_m && self.corridors.are_open(place, level_m) => {
+                    let weight = weight * self.likelihood(role, higher);
                     if weight >= 1.0 || rng.unit() < weight {
                         return Some(place);
                     }
-                    best = Some((weight, place));
+                    if weight > best.map_or(0.0, |(best, _)| best) {
+                        best = Some((weight, place));
+                    }
                 }
                 _ => {}
             }
         }
         best.map(|(_, place)| place)
+    }
+
+    /// The peaks that are higher than one by about as much as the nearest is to be; all where that is not known, or where
+    /// there is none.
+    fn fitting(&self, role: &Role) -> Range<usize> {
+        let all = 0..self.elevations_m.len();
+        let Some(rise_m) = role.rise_m else { return all };
+        // They stand from the highest to the lowest.
+        let above = |rise_m: f64| self.elevations_m.partition_point(|&m| m > role.elevation_m + rise_m);
+        let near = above(rise_m + deviation_m(rise_m))..above(rise_m - deviation_m(rise_m));
+        if near.is_empty() { all } else { near }
+    }
+
+    /// How well a peak of the crowd is as much higher as it is to be: 0 to 1.
+    fn likelihood(&self, role: &Role, higher: u32) -> f64 {
+        role.rise_m.map_or(1.0, |rise_m| {
+            bell((self.elevations_m[higher as usize] - role.elevation_m - rise_m) / deviation_m(rise_m))
+        })
     }
 
     /// The roomiest of some random places, for a peak that found none at its isolation.

@@ -1,6 +1,6 @@
 //! The histograms of what is made are those of what it is like.
 
-use super::range;
+use super::{range, reference};
 use orograph::orometry::distributions::{BinSet, Domain, PeakMeasures, compare};
 use orograph::orometry::survey_tree;
 use orograph::synthesis::{Controls, Extent, SynthesisOptions, Target, synthesize};
@@ -53,6 +53,44 @@ fn fewer_and_more_peaks() {
         let one = 100.0 / count as f64;
         assert!(elevation <= one + 1e-9 && prominence <= 2.0 * one + 0.5 && dominance <= 2.0 * one + 1.0, "{said}");
         assert!(isolation <= 4.0, "{said}");
+    }
+}
+
+/// How often, in per cent, a close peak's nearest higher peak is at most so many metres higher.
+fn close_peaks_as_high(target: &Target, count: usize, seed: u64) -> f64 {
+    let metric = range::cells(30.0);
+    let extent = Extent::new(2000, 2000, &metric);
+    let options = SynthesisOptions { seed, ..SynthesisOptions::default() };
+    let made = synthesize(&extent, &[target], &[count], &Controls::default(), &options, &Watch::default());
+    let rises_m = reference::rises_m(&made.expect("a tree").tree, &metric);
+    let close: Vec<f64> =
+        rises_m.into_iter().filter(|&(isolation_m, _)| isolation_m < CLOSE_M).map(|(_, m)| m).collect();
+    assert!(close.len() > count / 4, "{} of {count} peaks are close to a higher one", close.len());
+    100.0 * close.iter().filter(|&&rise_m| rise_m <= ALIKE_M).count() as f64 / close.len() as f64
+}
+
+/// Isolations below are those of close peaks, in metres; rises up to that are those of peaks that are about as high.
+const CLOSE_M: f64 = 1200.0;
+const ALIKE_M: f64 = 100.0;
+
+/// Where a range's close peaks are about as high as each other, those of what is made like it are, and its histograms
+/// are as good; where nobody knows, they are as it happens.
+#[test]
+fn close_peaks_are_as_high_as_they_should_be() {
+    let first = range::domain(&range::peaks(600, 300.0, 2100.0, 1000.0, 3), 3600.0);
+    let real = made(&range::target(&first), 600, 2000, 5);
+    let rises_m: Vec<(f64, f64)> = (0..600).map(|i| f64::from(i) * 10.0).map(|m| (m, m * 0.05)).collect();
+    // The order in which they are given means nothing.
+    let knowing = range::target(&real).with_rises(rises_m.into_iter().rev().collect());
+    for seed in 1..4 {
+        let [before, after] = [&range::target(&real), &knowing].map(|target| close_peaks_as_high(target, 600, seed));
+        assert!(before < 50.0 && after > 60.0, "{seed}: {before} % without, {after} % with the rises");
+        let [prominence, dominance, elevation, isolation] = errors(&real, &made(&knowing, 600, 2000, seed));
+        let said = format!("{seed}: {prominence} {dominance} {elevation} {isolation}");
+        assert!(
+            prominence <= 1.0 && dominance <= 1.0 && elevation <= 100.0 / 600.0 + 1e-9 && isolation <= 4.0,
+            "{said}"
+        );
     }
 }
 

@@ -41,9 +41,21 @@ pub fn prominences_m(tree: &GivenTree) -> Vec<f64> {
 
 /// Distances in metres to the nearest strictly higher peak.
 pub fn isolations_m<M: Metric>(tree: &GivenTree, metric: &M) -> Vec<Option<f64>> {
-    let of = |&(cell, own_m): &(Cell, f64)| {
-        let higher = tree.peaks.iter().filter(|other| other.1 > own_m);
-        higher.map(|other| metric.distance_m(place(tree, cell), place(tree, other.0))).reduce(f64::min)
+    (0..tree.peaks.len()).map(|peak| nearest_higher(tree, metric, peak).map(|(isolation_m, _)| isolation_m)).collect()
+}
+
+/// Those distances of all peaks but the highest, each with the metres by which that peak is higher.
+pub fn rises_m<M: Metric>(tree: &GivenTree, metric: &M) -> Vec<(f64, f64)> {
+    let of = |peak: usize| {
+        nearest_higher(tree, metric, peak).map(|(isolation_m, higher_m)| (isolation_m, higher_m - tree.peaks[peak].1))
     };
-    tree.peaks.iter().map(of).collect()
+    (0..tree.peaks.len()).filter_map(of).collect()
+}
+
+/// Distance to the nearest strictly higher peak, and its elevation, both in metres.
+fn nearest_higher<M: Metric>(tree: &GivenTree, metric: &M, peak: usize) -> Option<(f64, f64)> {
+    let (cell, own_m) = tree.peaks[peak];
+    let higher = tree.peaks.iter().filter(|other| other.1 > own_m);
+    let seen = higher.map(|other| (metric.distance_m(place(tree, cell), place(tree, other.0)), other.1));
+    seen.min_by(|a, b| a.0.total_cmp(&b.0))
 }

@@ -93,7 +93,7 @@ impl RangeOptions<'_> {
         let place = |cell: u64| ((cell / size.1 as u64) as i64, (cell % size.1 as u64) as i64);
         let places: Vec<Place> = surveyed.survey.peaks.iter().map(|peak| place(peak.cell)).collect();
         let mut peaks: Vec<PeakMeasures> = surveyed.survey.peaks.iter().map(PeakMeasures::from).collect();
-        isolate(&mut peaks, &places, size, &metric);
+        let rises_m = isolate(&mut peaks, &places, size, &metric);
         let cells = dem.extremes.map_or(0, |extremes| extremes.cells);
         let filled = cells as f64 / (size.0 as f64 * size.1 as f64);
         let area_km2 = Extent::new(size.0, size.1, &metric).area_km2() * filled;
@@ -102,7 +102,7 @@ impl RangeOptions<'_> {
         let likeness = self
             .likeness_side_m
             .map(|side_m| Likeness::of(&dem.heights_m(), [size.0, size.1], cell_m(size.0, &metric), side_m));
-        let range = Range::measured(&peaks, area_km2, Some(threshold_m), place)?;
+        let range = Range::measured(&peaks, rises_m, area_km2, Some(threshold_m), place)?;
         Ok(Range { likeness, ..range })
     }
 
@@ -134,12 +134,12 @@ impl RangeOptions<'_> {
             ((row.floor() as i64).clamp(0, rows as i64 - 1), (col.floor() as i64).clamp(0, cols as i64 - 1))
         };
         let places: Vec<Place> = peaks.iter().map(place).collect();
-        isolate(&mut peaks, &places, (rows, cols), &metric);
+        let rises_m = isolate(&mut peaks, &places, (rows, cols), &metric);
         let area_km2 = Extent::new(rows, cols, &metric).area_km2();
         // A layer that does not tell by what its peaks were chosen shows it.
         let least_m = peaks.iter().map(|peak| peak.prominence_m).fold(f64::INFINITY, f64::min);
         let threshold_m = threshold_m.or(Some(least_m).filter(|m| m.is_finite()));
-        Range::measured(&peaks, area_km2, threshold_m, RangePlace { crs, bbox })
+        Range::measured(&peaks, rises_m, area_km2, threshold_m, RangePlace { crs, bbox })
     }
 }
 
@@ -149,20 +149,37 @@ impl Range {
         Ok(Self { domain, radius_m, threshold_m, target, place, likeness: None })
     }
 
-    fn measured(peaks: &[PeakMeasures], area_km2: f64, threshold_m: Option<f64>, place: RangePlace) -> Result<Self> {
+    fn measured(
+        peaks: &[PeakMeasures],
+        rises_m: Vec<(f64, f64)>,
+        area_km2: f64,
+        threshold_m: Option<f64>,
+        place: RangePlace,
+    ) -> Result<Self> {
         let domain = Domain::measure(&Selection::Whole, peaks, DEFAULT_RADIUS_M, None, Some(area_km2))?;
-        Self::of(domain, DEFAULT_RADIUS_M, threshold_m, Some(place))
+        let range = Self::of(domain, DEFAULT_RADIUS_M, threshold_m, Some(place))?;
+        Ok(Self { target: range.target.with_rises(rises_m), ..range })
     }
 }
 
-/// Puts the distance and direction of the nearest higher peak in place of those of higher ground.
-fn isolate<M: Metric>(peaks: &mut [PeakMeasures], places: &[Place], size: (usize, usize), metric: &M) {
+/// Puts the distance and direction of the nearest higher peak in place of those of higher ground; returns that distance, and
+/// by how much that peak is higher, in metres.
+fn isolate<M: Metric>(
+    peaks: &mut [PeakMeasures],
+    places: &[Place],
+    size: (usize, usize),
+    metric: &M,
+) -> Vec<(f64, f64)> {
+    let mut rises_m = vec![];
     let seen: Vec<(Place, f64)> = places.iter().zip(&*peaks).map(|(&place, peak)| (place, peak.elevation_m)).collect();
     for (i, nearest) in peak_isolations(size, metric, &seen).into_iter().enumerate() {
         let vector = nearest.map(|(_, higher)| metric.vector(places[i], places[higher]));
+        let rise_m = |higher: usize| seen[higher].1 - seen[i].1;
+        rises_m.extend(nearest.map(|(isolation_m, higher)| (isolation_m, rise_m(higher))));
         peaks[i].isolation_m = nearest.map(|(isolation_m, _)| isolation_m);
         peaks[i].isolation_azimuth = vector.map(|vector| vector.azimuth).filter(|azimuth| azimuth.is_finite());
     }
+    rises_m
 }
 
 /// Coordinates of the corner of a cell.
