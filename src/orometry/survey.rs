@@ -43,7 +43,7 @@ pub struct Peak {
     pub elevation_m: f64,
     /// Prominence; the upper end of its interval unless the peak is a root, for which it is a convention.
     pub prominence_m: f64,
-    /// Lower end of the interval of the prominence.
+    /// Lower end of the interval of the prominence; the convention too for a root of which nothing is unknown.
     pub prominence_min_m: f64,
     /// Whether nothing unknown could change the prominence.
     pub prominence_certain: bool,

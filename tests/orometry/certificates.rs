@@ -3,8 +3,8 @@
 //! The raster is padded with terrain made to embarrass: walls, pits, the raster's own levels; voids are filled with
 //! the same. Then it is measured again, and every peak's first answer is held against the second.
 
-use super::case::{Case, Dice, picture, small_case};
-use super::ground::Margins;
+use super::case::{Case, Dice, Storage, picture, small_case};
+use super::ground::{Ground, Margins};
 use super::reference::{self, Answer, Frame, Options, RefPeak};
 use super::{cases, subject};
 use orograph::crs::Metric;
@@ -126,7 +126,13 @@ fn padded(case: &Case, more: Margins, seed: u64) -> Site {
 const ROUNDING: f64 = 1.0 + 1e-9;
 
 /// What is wrong with the first answer on a peak, now that more is known.
-fn broken(old: &RefPeak, new: Option<&RefPeak>, saddle_now: Option<Cell>, threshold_m: f64) -> Vec<String> {
+fn broken(
+    old: &RefPeak,
+    new: Option<&RefPeak>,
+    saddle_now: Option<Cell>,
+    threshold_m: f64,
+    lowest_m: f64,
+) -> Vec<String> {
     let mut found = vec![];
     let mut must = |holds: bool, what: &str| {
         if !holds {
@@ -150,7 +156,13 @@ fn broken(old: &RefPeak, new: Option<&RefPeak>, saddle_now: Option<Cell>, thresh
     }
     // A root's prominence is a convention; only its lower bound says something.
     must(new.is_root || new.prominence_m >= old.prominence_min_m, "below the lower bound");
-    must(new.prominence_min_m >= old.prominence_min_m, "the lower bound fell");
+    if new.is_root && new.prominence_certain {
+        // Both its numbers are the convention now: less than the bound where that came from ground below the base.
+        let most_m = new.prominence_m.max(new.elevation_m - lowest_m);
+        must(old.prominence_min_m <= most_m * ROUNDING, "the lower bound was more than all there is");
+    } else {
+        must(new.prominence_min_m >= old.prominence_min_m, "the lower bound fell");
+    }
     let (Some(was), Some(is)) = (&old.isolation, &new.isolation) else { return found };
     let far = |m: Option<f64>| m.unwrap_or(f64::INFINITY);
     must(far(is.isolation_m) * ROUNDING >= far(was.isolation_min_m), "nearer than the lower bound");
@@ -160,6 +172,12 @@ fn broken(old: &RefPeak, new: Option<&RefPeak>, saddle_now: Option<Cell>, thresh
         must(far(is.isolation_m) * ROUNDING >= far(was.isolation_m), "a certain isolation changed");
     }
     found
+}
+
+/// The lowest elevation of a raster.
+fn lowest_m(site: &Site) -> f64 {
+    let known_m = |i: usize| site.levels[i].map(|_| site.elevations.elevation_m(site.grid.key(i as Cell)));
+    (0..site.levels.len()).filter_map(known_m).fold(f64::INFINITY, f64::min)
 }
 
 fn check(case: &Case, wish: i64, seed: u64, survey: Surveyor) -> Result<(), TestCaseError> {
@@ -172,8 +190,10 @@ fn check(case: &Case, wish: i64, seed: u64, survey: Surveyor) -> Result<(), Test
         let (row, col) = (cell as usize / case.cols, cell as usize % case.cols);
         ((row + more.before.0 as usize) * second.cols + col + more.before.1 as usize) as Cell
     };
+    let lowest_m = lowest_m(&second);
     for peak in &old.peaks {
-        let found = broken(peak, new.at(moved(peak.cell)), peak.key_saddle.map(moved), first.min_prominence_m);
+        let saddle_now = peak.key_saddle.map(moved);
+        let found = broken(peak, new.at(moved(peak.cell)), saddle_now, first.min_prominence_m, lowest_m);
         prop_assert!(
             found.is_empty(),
             "{}\n{peak:#?}\nnow {:#?}\n{}\n{}",
@@ -184,6 +204,39 @@ fn check(case: &Case, wish: i64, seed: u64, survey: Surveyor) -> Result<(), Test
         );
     }
     Ok(())
+}
+
+/// A root's bound may come from ground below 0, while its prominence once all is known is its height above 0.
+#[test]
+fn of_a_globe_with_ground_below_its_base() {
+    let level = |row: usize, col: usize| match (row, col) {
+        (1, 4) => None,
+        (2, 1) => Some(1),
+        (1..4, 0..3) => Some(0),
+        _ => Some(-1),
+    };
+    let (rows, cols) = (6, 7);
+    let case = Case {
+        rows,
+        cols,
+        levels: (0..rows * cols).map(|i| level(i / cols, i % cols)).collect(),
+        ground: Ground::Globe(false),
+        storage: Storage::Metres16,
+        threshold: 0.0,
+        base: None,
+        nodata_is_sea: false,
+        wraps_anyway: false,
+    };
+    let top =
+        |site: &Site| by_crate(site).at((2 * cols + 1) as Cell).map(|top| (top.prominence_m, top.prominence_min_m));
+    let first = site(&case, Margins::default(), case.levels.clone());
+    assert_eq!(top(&first), Some((1.0, 2.0)));
+    let filled = case.levels.iter().map(|level| level.or(Some(-1))).collect();
+    assert_eq!(top(&site(&case, Margins::default(), filled)), Some((1.0, 1.0)));
+    for seed in 0..64 {
+        check(&case, 0, seed, by_crate).unwrap_or_else(|e| panic!("{e}"));
+        check(&case, 0, seed, by_reference).unwrap_or_else(|e| panic!("{e}"));
+    }
 }
 
 proptest! {
