@@ -28,6 +28,8 @@ const LOOSE: usize = 600;
 const OTHERS: usize = 200;
 /// Places that are tried for each of those.
 const OTHERS_TRIALS: usize = 20;
+/// How well a place in the direction that was drawn fits if no other direction is tried; 1 is as well as can be.
+const GOOD_ENOUGH: f64 = 0.3;
 /// Rises to the nearest higher peak are off by this part of themselves, and by so many metres.
 const RISE_PART: f64 = 0.2;
 const RISE_M: f64 = 5.0;
@@ -105,10 +107,14 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
     /// A place for peak `i`, which may exchange its isolation with a lower peak's.
     fn find(&self, roles: &mut [Role], i: usize, rng: &mut Rng) -> Option<Place> {
         let role = roles[i];
-        let found = self.at(&role, role.isolation_m, Some(role.azimuth), AIMED, rng);
-        let found = found.or_else(|| self.at(&role, role.isolation_m, None, LOOSE, rng));
-        if found.is_some() {
-            return found;
+        let mut found = self.at(&role, role.isolation_m, Some(role.azimuth), AIMED, rng);
+        if found.is_none_or(|(weight, _)| weight < GOOD_ENOUGH) {
+            // The maps and the rise count for more than the direction.
+            let loose = self.at(&role, role.isolation_m, None, LOOSE, rng);
+            found = found.into_iter().chain(loose).max_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        if let Some((_, place)) = found {
+            return Some(place);
         }
         let left = (roles.len() - i - 1).min(OTHERS);
         for _ in 0..left {
@@ -119,17 +125,25 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
             }
             let other = Role { rise_m: roles[j].rise_m, ..role };
             let found = self.at(&other, roles[j].isolation_m, None, OTHERS_TRIALS, rng);
-            if found.is_some() {
+            if let Some((_, place)) = found {
                 (roles[i].isolation_m, roles[i].rise_m) = (roles[j].isolation_m, roles[j].rise_m);
                 (roles[j].isolation_m, roles[j].rise_m) = (role.isolation_m, role.rise_m);
-                return found;
+                return Some(place);
             }
         }
         None
     }
 
-    /// A place whose isolation falls into the same bin as the given one.
-    fn at(&self, role: &Role, isolation_m: f64, azimuth: Option<f64>, trials: usize, rng: &mut Rng) -> Option<Place> {
+    /// A place whose isolation falls into the same bin as the given one, and how well it fits: 1 where it was drawn, else
+    /// the best weight that was seen.
+    fn at(
+        &self,
+        role: &Role,
+        isolation_m: f64,
+        azimuth: Option<f64>,
+        trials: usize,
+        rng: &mut Rng,
+    ) -> Option<(f64, Place)> {
         let (from_m, to_m) = self.targets[role.kind].isolation.bounds(isolation_m);
         let (from_m, isolation_m) = if from_m > 0.0 {
             (from_m, isolation_m)
@@ -157,7 +171,7 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
                 Some((distance_m, higher)) if distance_m >= from_m && self.corridors.are_open(place, level_m) => {
                     let weight = weight * self.likelihood(role, higher);
                     if weight >= 1.0 || rng.unit() < weight {
-                        return Some(place);
+                        return Some((1.0, place));
                     }
                     if weight > best.map_or(0.0, |(best, _)| best) {
                         best = Some((weight, place));
@@ -166,7 +180,7 @@ impl<M: Metric + ?Sized> Darts<'_, M> {
                 _ => {}
             }
         }
-        best.map(|(_, place)| place)
+        best
     }
 
     /// The peaks that are higher than one by about as much as the nearest is to be; all where that is not known, or where
