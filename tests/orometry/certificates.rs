@@ -212,7 +212,7 @@ fn of_a_globe_with_ground_below_its_base() {
     let level = |row: usize, col: usize| match (row, col) {
         (1, 4) => None,
         (2, 1) => Some(1),
-        (1..4, 0..3) => Some(0),
+        (1..=3, 0..=2) => Some(0),
         _ => Some(-1),
     };
     let (rows, cols) = (6, 7);
